@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from geotlm_lm import Clip, Touch, simulate_touch
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, write_data_set
 
 ROOT = Path(__file__).resolve().parents[1]

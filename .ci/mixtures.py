@@ -14,14 +14,14 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from geotlm_lm.benchmarks.halves import rows_of_half
+from geotlm_lm.benchmarks.cases import rows_of_half
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS
 from geotlm_lm.core.twist import Component
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.simulation.simulate import simulate_series
 
 CLIPS, SEED = 1000, 2611
 SHARES = (5, 25, 50, 75, 95)

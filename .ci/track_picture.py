@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geotlm_lm.benchmarks.cases.streams import streams
+from geotlm_lm.benchmarks.tracks import streams
 
 SEED, PLACE = 3, 3
 """A stream that slides, rests, turns, rests and turns back."""

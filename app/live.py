@@ -24,6 +24,7 @@ from geotlm_lm import (
     camera_size,
     change_map,
     declared_bytes,
+    drawing_of,
     is_streamed,
     open_source,
 )
@@ -32,7 +33,7 @@ from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
 from .conversation import OF_A_RECORDING, in_frame
 from .opening import Source
-from .stage import jpeg_address, now_at, timeline_of
+from .stage import jpeg_address, timeline_of
 from .talking import Messages, Talking
 from .toolkit import COMPLAINT, Filled
 
@@ -126,9 +127,9 @@ class LiveStream:
         """
         track, units = self._tracker.so_far, Units(self.shape[:2], mm_per_px)
         since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
-        timeline = timeline_of(track, units, "s", since_s)
+        drawing = drawing_of(track, units)
         if not self.is_over:
-            now_at(timeline, self._now_s, self._tracker.way, units)
+            drawing = drawing.up_to(self._now_s, self._tracker.way)
         idle = self._tracker.idle
         rows, columns = camera_size(*self.shape[:2])
         window = [max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)]
@@ -147,7 +148,7 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(end, 3) for end in window],
-            "timeline": timeline,
+            "timeline": timeline_of(drawing, "s", since_s),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],

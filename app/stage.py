@@ -21,11 +21,13 @@ from geotlm_lm import (
     FRAME_COUNT,
     SPAN_DEVIATIONS,
     Clip,
+    Drawing,
     Seen,
     Units,
     arrow_ends,
     camera_size,
     draw_depth,
+    drawing_of,
 )
 
 from .toolkit import html
@@ -96,7 +98,7 @@ def stage_of(
     if encoded.track is None:
         values["step"] = step_of(shown, units)
     else:
-        values["timeline"] = timeline_of(encoded.track, units, values["unit"])
+        values["timeline"] = timeline_of(drawing_of(encoded.track, units), values["unit"])
     looked_at = encoded.clip.frame_numbers
     when = "" if encoded.track is None else f" in frames {looked_at[0]} to {looked_at[-1]}"
     values["overlays"] = _overlays(shown.seen, when)
@@ -212,61 +214,33 @@ def _png(image: NDArray[np.uint8]) -> bytes:
     return cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
 
 
-def timeline_of(track: Any, units: Units, unit: str, since_s: float = -np.inf) -> dict[str, Any]:
+def timeline_of(drawing: Drawing, unit: str, since_s: float = -np.inf) -> dict[str, Any]:
     """Return the curves of a track with the spans that hold nine tenths, and its events.
 
     Args:
-        track: What was tracked, a `Track`.
-        units: Of its recording.
+        drawing: Of the track.
         unit: Of the axis: "s", or "frame" where the times are not known.
         since_s: From when on; the way is that since the track's own begin all the same.
     """
-    places = np.flatnonzero(track.times_s >= since_s)
+    places = np.flatnonzero(drawing.times_s >= since_s)
     if len(places) > MOST_POINTS:
-        few = np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)
-        places = places[few]
-    path, spread = track.path_from_start[places], track.path_deviations[places] * SPAN_DEVIATIONS
-    right, down = units.travelled(path[:, 1], path[:, 2])
-    right_spread, down_spread = units.travelled(spread[:, 1], spread[:, 2])
-    turn = _curve("turn", path[:, 0], spread[:, 0])
-    travel = [_curve("right", right, right_spread), _curve("down", down, down_spread)]
-    touch = _curve("contact", track.contact[places])
+        places = places[np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)]
+    travel = drawing.units.name
+    panels = [
+        {"name": "turn", "unit": DEGREE, "told": "turn, clockwise up"},
+        {"name": "travel", "unit": travel, "told": f"travel in {travel}: right, dashed: down"},
+        {"name": "contact", "unit": "", "range": [0, 1], "told": "contact"},
+    ]
+    for panel in panels:
+        curves = (curve for curve in drawing.curves if curve.panel == panel["name"])
+        panel["curves"] = [_curve(curve, places) for curve in curves]
     return {
-        "x": _rounded((track.times_s if unit == "s" else track.numbers)[places]),
-        "panels": [
-            {"name": "turn", "unit": DEGREE, "curves": [turn], "told": "turn, clockwise up"},
-            {
-                "name": "travel",
-                "unit": units.name,
-                "curves": travel,
-                "told": f"travel in {units.name}: right, dashed: down",
-            },
-            {"name": "contact", "unit": "", "range": [0, 1], "curves": [touch], "told": "contact"},
-        ],
-        "events": [_event(event, units, unit) for event in track.events if event.end_s >= since_s],
+        "x": _rounded((drawing.times_s if unit == "s" else drawing.numbers)[places]),
+        "panels": panels,
+        "events": [_event(band, unit) for band in drawing.bands if band.event.end_s >= since_s],
         # The way in shares of the picture, drawn as long as it is.
-        "way": _rounded(path[:, 1:3] / _filled(units)),
+        "way": _rounded(drawing.arrows[places]),
     }
-
-
-def now_at(timeline: dict[str, Any], now_s: float, way: NDArray, units: Units) -> None:
-    """Lead the curves of a track that goes on up to the way as it stands now, as doubtful as last.
-
-    Args:
-        timeline: As `timeline_of` returns it, in seconds; changed in place.
-        now_s: When the last frame was taken.
-        way: Turn, right, down and inward since the first frame, (4,).
-        units: Of the frames.
-    """
-    turn, travel, contact = (panel["curves"] for panel in timeline["panels"])
-    right, down = units.travelled(way[1], way[2])
-    for curve, value in zip((*turn, *travel), (way[0], right, down), strict=True):
-        curve["mean"].append(round(float(value), 3))
-        curve["spread"].append(curve["spread"][-1] if curve["spread"] else 0.0)
-    touch = contact[0]["mean"]
-    touch.append(touch[-1] if touch else 0.0)
-    timeline["x"].append(round(now_s, 3))
-    timeline["way"].append(_rounded(way[1:3] / _filled(units)))
 
 
 def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
@@ -314,21 +288,15 @@ def _unit_of(belief: Any, component: Any, units: Units) -> tuple[str, float]:
     return units.name, scaled / length if length else units.travel[1][0]
 
 
-def _event(event: Any, units: Units, axis_unit: str) -> dict[str, Any]:
-    facts = units.event(event)
-    far = ""
-    if "unit" in facts:
-        unit = DEGREE if facts["unit"] == "deg" else facts["unit"]
-        sign = -1 if facts["amount"] < 0 else 1
-        low, high = sorted((sign * facts["low"], sign * facts["high"]))
-        far = _far(sign * facts["amount"], low, high, unit)
+def _event(band: Any, axis_unit: str) -> dict[str, Any]:
+    event, unit = band.event, DEGREE if band.unit == "deg" else band.unit
     is_timed = axis_unit == "s"
     return {
-        "kind": facts["event"],
-        "name": " ".join(filter(None, (facts["event"], facts["way"]))),
+        "kind": event.kind.value,
+        "name": band.name,
         "begin": round(float(event.begin_s if is_timed else event.begin), 4),
         "end": round(float(event.end_s if is_timed else event.end), 4),
-        "far": far,
+        "far": _far(band.amount, band.low, band.high, unit) if unit else "",
         "sure": round(100 * event.probability),
     }
 
@@ -342,18 +310,9 @@ def _far(mean: float, low: float, high: float, unit: str) -> str:
     return f"{middle}{gap}{unit} ({least} to {most})"
 
 
-def _curve(name: str, mean: NDArray, spread: NDArray | None = None) -> dict[str, Any]:
-    curve = {"name": name, "mean": _rounded(mean, 3)}
-    if spread is not None:
-        curve["spread"] = _rounded(spread, 3)
-    return curve
-
-
-def _filled(units: Units) -> NDArray[np.float64]:
-    """Return the columns and rows of the 224-pixel square that the picture fills."""
-    rows, columns = units.frame_size
-    across, down = Units(units.frame_size).travel[1]
-    return np.array([columns / across, rows / down])
+def _curve(curve: Any, places: NDArray) -> dict[str, Any]:
+    plain = {"name": curve.name, "mean": _rounded(curve.mean[places], 3)}
+    return plain if curve.spread is None else plain | {"spread": _rounded(curve.spread[places], 3)}
 
 
 def _rounded(values: Any, digits: int = 4) -> list:

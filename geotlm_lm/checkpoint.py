@@ -20,13 +20,11 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.backbone.vit import ViT, ViTConfig
-from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.backbone.vit import FrozenBackbone, ViT, ViTConfig
 from geotlm_lm.core.errors import IncompatibleBundle, first_line
+from geotlm_lm.core.files import replacing, resource_dir, write_text_atomically
 from geotlm_lm.core.labels import DIRECTED, Motion
-from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork

@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 
 from geotlm_lm.answering import Answerer
-from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError, check_question
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.question import check_question
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.read import read_clip
 from tests.answering import scripted
 from tests.answering.scripted import believed, feeling
@@ -28,7 +27,7 @@ def ask(answerer, question):
 def test_the_time_of_a_recording_read_at_a_stride_is_its_own(bundle, tmp_path, monkeypatch):
     frames = recording(24).frames
     np.savez(tmp_path / "clip.npz", frames=frames, fps=25.0)
-    monkeypatch.setattr(limits, "KEPT_BYTES", 8 * frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 8 * frames[0].nbytes)
     encoded = Answerer(bundle).encode(read_clip(tmp_path / "clip.npz"), span=(0, 21))
     assert encoded.track.seconds == pytest.approx(21 / 25)
 

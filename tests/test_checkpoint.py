@@ -77,58 +77,51 @@ def test_the_digest_tells_bundles_apart_by_weights_and_calibration(saved):
         assert two.digest() != before
 
 
-def test_a_folder_without_a_bundle_is_refused(tmp_path):
-    with pytest.raises(IncompatibleBundle) as caught:
-        load_bundle(tmp_path)
-    assert str(caught.value) == (
-        f"{tmp_path}: found no model bundle there (no config.json); give the folder that "
-        f"`geotlm-lm train` wrote."
-    )
+def without_config(bundle):
+    (bundle / "config.json").unlink()
 
 
-def test_another_format_is_refused(saved, tmp_path):
-    folder, _ = saved
-    config = json.loads((folder / "config.json").read_text()) | {"format": 99}
-    (tmp_path / "config.json").write_text(json.dumps(config))
-    with pytest.raises(IncompatibleBundle) as caught:
-        load_bundle(tmp_path)
-    assert str(caught.value) == (
-        f"{tmp_path}: the bundle has format 99, this version reads 8; train it again or install "
-        f"the matching geotlm-lm."
-    )
+def of_another_format(bundle):
+    edit(bundle / "config.json", lambda config: config | {"format": 99})
 
 
-def test_truncated_weights_are_refused(saved, tmp_path):
-    folder, _ = saved
-    (tmp_path / "config.json").write_bytes((folder / "config.json").read_bytes())
-    weights = (folder / "perception.safetensors").read_bytes()
-    (tmp_path / "perception.safetensors").write_bytes(weights[: len(weights) // 2])
-    with pytest.raises(
-        IncompatibleBundle, match=r"perception.safetensors does not fit config.json"
-    ):
-        load_bundle(tmp_path)
+def of_another_stem(bundle):
+    wider = {"input_dim": PATCH_INPUT_DIM + 1}
+    edit(bundle / "config.json", lambda config: config | {"backbone": config["backbone"] | wider})
 
 
-def test_weights_of_an_unknown_part_are_refused(saved, tmp_path):
-    folder, _ = saved
-    shutil.copytree(folder, tmp_path / "bundle")
-    path = tmp_path / "bundle" / "perception.safetensors"
+def edit(path, change):
+    path.write_text(json.dumps(change(json.loads(path.read_text()))))
+
+
+def with_truncated_weights(bundle):
+    path = bundle / "perception.safetensors"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def with_an_unknown_part(bundle):
+    path = bundle / "perception.safetensors"
     save_file(load_file(path) | {"wheels.weight": torch.zeros(2)}, path)
-    with pytest.raises(IncompatibleBundle, match=r"unknown parts \['wheels'\]"):
-        load_bundle(tmp_path / "bundle")
 
 
-def test_a_stem_of_another_version_is_refused(saved, tmp_path):
-    folder, _ = saved
-    shutil.copytree(folder, tmp_path / "bundle")
-    path = tmp_path / "bundle" / "config.json"
-    config = json.loads(path.read_text())
-    config["backbone"]["input_dim"] += 1
-    path.write_text(json.dumps(config))
-    with pytest.raises(
-        IncompatibleBundle, match=f"patch inputs have {PATCH_INPUT_DIM + 1} numbers"
-    ):
-        load_bundle(tmp_path / "bundle")
+@pytest.mark.parametrize(
+    ("spoil", "reason"),
+    [
+        (without_config, ": found no model bundle there (no config.json); give the folder that"),
+        (of_another_format, ": the bundle has format 99, this version reads 8; train it again or"),
+        (of_another_stem, f"(patch inputs have {PATCH_INPUT_DIM + 1} numbers"),
+        (with_truncated_weights, ": perception.safetensors does not fit config.json ("),
+        (with_an_unknown_part, "(unknown parts ['wheels']); train or copy the bundle again."),
+    ],
+)
+def test_what_is_not_recognised_is_refused_in_one_sentence(saved, tmp_path, spoil, reason):
+    folder = tmp_path / "bundle"
+    shutil.copytree(saved[0], folder)
+    spoil(folder)
+    with pytest.raises(IncompatibleBundle) as caught:
+        load_bundle(folder)
+    assert str(caught.value).startswith(str(folder))
+    assert reason in str(caught.value)
 
 
 def test_a_language_model_of_another_width_is_refused(saved, tmp_path):

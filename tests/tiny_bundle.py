@@ -2,10 +2,9 @@
 
 import torch
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.backbone.vit import ViT, ViTConfig
+from geotlm_lm.backbone.vit import FrozenBackbone, ViT, ViTConfig
 from geotlm_lm.checkpoint import Bundle, Calibration
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.templates import load_templates

@@ -28,14 +28,14 @@ from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
+from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.question import check_question
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.recordings.legible import require_any_legible
-from geotlm_lm.recordings.span import frames_inside, require_motion
+from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
 

@@ -13,7 +13,7 @@ from geotlm_lm.core.twist import Component
 from geotlm_lm.motion.belief import Belief, fused
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
-from geotlm_lm.track.believing import believed
+from geotlm_lm.track.block import believed
 
 
 def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:

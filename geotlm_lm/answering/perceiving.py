@@ -13,15 +13,14 @@ from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
-from geotlm_lm.track.believing import believer
-from geotlm_lm.track.track import Track
+from geotlm_lm.track.block import believer
+from geotlm_lm.track.track import Track, belief_of_track, window_of
 from geotlm_lm.track.tracker import Tracker, track_of
-from geotlm_lm.track.whole import belief_of_track, window_of
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 

@@ -14,8 +14,8 @@ from geotlm_lm.answering.deciding import frame_after, of_two
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.understanding import Understood, understand
 from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.question import check_question
 from geotlm_lm.query.types import Query
 
 Reply = Answer | Comparison

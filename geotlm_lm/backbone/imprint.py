@@ -14,13 +14,15 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.backbone.lights import (
+from geotlm_lm.backbone.relief import (
+    RELIEF_SIDE,
     as_of_one_light,
+    is_inside_out,
     lights_of,
+    reliefs,
     turned_by_a_half,
     turned_by_a_quarter,
 )
-from geotlm_lm.backbone.relief import RELIEF_SIDE, is_inside_out, reliefs
 from geotlm_lm.backbone.view import VIEW_CELL_PX, View, contact_view
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, filled_size, pixel_aspect
@@ -65,11 +67,7 @@ class Imprint:
 def imprint_of(clip: Clip) -> Imprint:
     """Find the imprint in a clip and show it as under a GelSight Mini's lights.
 
-    Args:
-        clip: Exactly four frames with a known or estimated background, any size.
-
-    Raises:
-        ValueError: If the clip is not four frames with a background.
+    The clip has exactly four frames with a known or estimated background, of any size.
     """
     if len(clip) != FRAME_COUNT or clip.background is None:
         raise ValueError(f"the stem reads {FRAME_COUNT} frames and a background, found {len(clip)}")
@@ -80,8 +78,11 @@ def imprint_of(clip: Clip) -> Imprint:
     view = contact_view([_energy(image) for image in whole])
     seen = [_cut(image, view) for image in whole]
     height = max(round(VIEW_SIDE / aspect), 8)
-    green = [_area(cv2.extractChannel(one, 1), (VIEW_SIDE, height)) for one in seen]
-    cells, relief = _under_usual_lights([area_means(one, RELIEF_SIDE) for one in seen], aspect)
+    green = [
+        cv2.resize(cv2.extractChannel(part, 1), (VIEW_SIDE, height), interpolation=cv2.INTER_AREA)
+        for part in seen
+    ]
+    cells, relief = _under_usual_lights([area_means(part, RELIEF_SIDE) for part in seen], aspect)
     view = replace(view, picture_height_px=filled[0], picture_width_px=filled[1])
     return Imprint(green, cells, relief, view, places, aspect)
 
@@ -96,10 +97,6 @@ def gradients(image: Floats) -> tuple[Floats, Floats]:
     """Return the slopes of a smooth image towards right and down, per pixel."""
     right = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
     return right, cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
-
-
-def _area(image: Floats, size: tuple[int, int]) -> Floats:
-    return cv2.resize(image, size, interpolation=cv2.INTER_AREA)
 
 
 def _residual(frame: NDArray[np.uint8], idle: NDArray[np.uint8], filled: tuple[int, int]) -> Floats:

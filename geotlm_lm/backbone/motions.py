@@ -80,30 +80,23 @@ class Motions:
 
 @dataclass(frozen=True, eq=False)
 class FoundMotions:
-    """What `motions_of` finds for each distinct frame.
+    """What `motions_of` measures of each distinct frame, and the motions to the last one."""
 
-    Args:
-        displacement: (frames, 14, 14, 8), pixels of the view, of each of `MEASURED`, x before y.
-        local: (frames, 14, 14, LOCAL_CHANNELS).
-        sureness: (frames, MOTION_NUMBERS).
-        motions: To the last frame.
-    """
-
-    displacement: Floats
-    local: Floats
-    sureness: Floats
+    displacement: Floats  # (frames, 14, 14, 8), pixels of the view, of each of MEASURED, x before y
+    local: Floats  # (frames, 14, 14, LOCAL_CHANNELS)
+    sureness: Floats  # (frames, MOTION_NUMBERS)
     motions: Motions
 
 
 def motions_of(imprint: Imprint) -> FoundMotions:
     """Find how each distinct frame of a clip's imprint lies on the first."""
     count = len(imprint.green)
-    pictures = [Picture.of(one, GREEN_LEVELS) for one in imprint.green]
-    green = _Sequence(pictures, [one.even() for one in pictures], STILL_EVEN)
+    pictures = [Picture.of(frame, GREEN_LEVELS) for frame in imprint.green]
+    green = _Sequence(pictures, [picture.even() for picture in pictures], STILL_EVEN)
     height = max(round(imprint.relief.shape[2] / imprint.aspect), 8)
     size = (imprint.relief.shape[2], height)
-    flat = [cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in imprint.relief]
-    reliefs = [Picture.of(one, RELIEF_LEVELS) for one in flat]
+    flat = [cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in imprint.relief]
+    reliefs = [Picture.of(frame, RELIEF_LEVELS) for frame in flat]
     relief = _Sequence(reliefs, reliefs, STILL_RELIEF)
     local = np.zeros((count, GRID_SIDE, GRID_SIDE, LOCAL_CHANNELS), np.float32)
     sureness = np.zeros((count, MOTION_NUMBERS), np.float32)
@@ -134,10 +127,8 @@ class _Found:
 class _Sequence:
     """Pictures of one kind, laid on each other in the order of time.
 
-    Args:
-        pictures: Laid on the one before.
-        direct: The same, as they are laid on the first.
-        still: Difference of the latter at which a pixel weighs half.
+    Each is laid on the one before; `direct` are the same as they are laid on the first, where a
+    pixel of difference `still` weighs half.
     """
 
     def __init__(
@@ -155,9 +146,7 @@ class _Sequence:
     def next(self, start: Rigid | None = None, scale: float = 1.0) -> _Found:
         """Lay the next picture on those before it.
 
-        Args:
-            start: Where the step begins, in pixels of another kind; at rest by default.
-            scale: Pixels of this kind per pixel of that one.
+        The step begins at `start` times `scale` pixels, or at rest.
         """
         self._place += 1
         before, after = self.pictures[self._place - 1], self.pictures[self._place]
@@ -165,7 +154,7 @@ class _Sequence:
             step = align(before, after)
             if step.correlation < LOST_CORRELATION:
                 again = align(before, after, search(before.image, after.image))
-                step = max(step, again, key=lambda one: one.correlation)
+                step = max(step, again, key=lambda aligned: aligned.correlation)
         else:
             begun = Rigid(start.turn_rad, start.right_px * scale, start.down_px * scale)
             step = align(before, after, begun)
@@ -182,9 +171,9 @@ def _displacement(found: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Fl
     """
     motions = np.array(
         [
-            [(one.turn_rad, one.right_px / columns, one.down_px / rows, rows / columns)
+            [(m.turn_rad, m.right_px / columns, m.down_px / rows, rows / columns)
              for pictures, (rows, columns) in zip(pair, sizes, strict=True)
-             for one in (pictures.chained, pictures.direct.motion)]
+             for m in (pictures.chained, pictures.direct.motion)]
             for pair in found
         ]
     ).reshape(-1, len(MEASURED), 4)  # fmt: skip
@@ -220,7 +209,7 @@ def _beyond(first: Floats, now: Floats, motion: Rigid) -> Floats:
     squares = (error * error, at_rest * at_rest)
     grid = (GRID_SIDE, GRID_SIDE)
     xx, xy, yy, xe, ye, left, rest = (
-        cv2.resize(one, grid, interpolation=cv2.INTER_AREA) for one in (*products, *squares)
+        cv2.resize(image, grid, interpolation=cv2.INTER_AREA) for image in (*products, *squares)
     )
     damped_xx, damped_yy = xx + CONTRAST_FLOOR_GREY2 / 4, yy + CONTRAST_FLOOR_GREY2 / 4
     scale = damped_xx * damped_yy - xy * xy
@@ -252,15 +241,15 @@ def _last(
 ) -> Motions:
     """Return the motions to the last frame, in pixels of the 224-pixel image."""
     twists, deviations, correlations = [], [], []
-    for one, pictures in zip(found[-1], kinds, strict=True):
+    for pair, pictures in zip(found[-1], kinds, strict=True):
         rows, columns = pictures.size
         wide, high = imprint.view.side_px / columns, imprint.view.side_px / rows
-        spread = np.sqrt(np.diag(one.direct.covariance)) * one.direct.residual
+        spread = np.sqrt(np.diag(pair.direct.covariance)) * pair.direct.residual
         spread = spread * (2 / max(rows, columns), wide, high)
-        for motion in (one.chained, one.direct.motion):
+        for motion in (pair.chained, pair.direct.motion):
             twists.append((motion.turn_rad, motion.right_px * wide, motion.down_px * high))
             deviations.append(spread)
-            correlations.append(one.direct.correlation)
+            correlations.append(pair.direct.correlation)
     return Motions(
         np.array(twists, np.float32),
         np.array(deviations, np.float32),

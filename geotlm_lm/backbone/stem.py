@@ -8,10 +8,15 @@ change its shade as it turns; and what each patch moved beyond it. It has no lea
 
 from __future__ import annotations
 
+import math
+from enum import Enum
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from geotlm_lm.backbone.imprint import RESIDUAL_SCALE_GREY, Imprint, area_means, imprint_of
 from geotlm_lm.backbone.motions import (
@@ -40,7 +45,7 @@ RESIDUAL_DIM = 3 * CELLS**2
 
 RELIEF_AT = RESIDUAL_DIM
 """Place of the relief's mean; the log of the view's magnification follows, the same in every patch:
-without it nobody could tell how far on the gel a pixel of the view is."""
+without it a pixel of the view would have no length on the gel."""
 
 MAGNIFICATION_AT = RELIEF_AT + 1
 
@@ -74,14 +79,7 @@ class StemMeasurement(NamedTuple):
 
 
 def measure_clip(clip: Clip) -> StemMeasurement:
-    """Compute the inputs of one clip's patch tokens.
-
-    Args:
-        clip: Exactly four frames with a known or estimated background, any size.
-
-    Raises:
-        ValueError: If the clip is not four frames with a background.
-    """
+    """Measure a clip of exactly four frames with a known or estimated background, any size."""
     imprint = imprint_of(clip)
     found = motions_of(imprint)
     grid = (len(imprint.cells), GRID_SIDE, GRID_SIDE)
@@ -111,3 +109,46 @@ def _time_bins(inputs: Floats, imprint: Imprint) -> Floats:
     residual = bins[..., :RESIDUAL_DIM]
     np.clip(residual, -4, 4, out=residual)
     return bins
+
+
+class Mirror(Enum):
+    """What a mirror swaps; the value is the place of that axis in (row, column).
+
+    Patch inputs of a scene seen in a mirror are more looks at a simulated clip, for next to no
+    time. Left for right they are what the stem makes of the mirrored frames, but for the rounding
+    of its alignments. Top for bottom the stem would take the lights for others and find another
+    relief; these inputs keep the true one.
+    """
+
+    TOP_AND_BOTTOM = 0
+    LEFT_AND_RIGHT = 1
+
+
+def mirrored_inputs(inputs: Tensor, mirror: Mirror) -> Tensor:
+    """Return patch inputs (b, 2, 14, 14, dim) with scene, motion and lights on the other side."""
+    source, sign = _places(mirror)
+    turned = inputs.flatten(2).index_select(-1, source.to(inputs.device)) * sign.to(inputs)
+    return turned.view_as(inputs)
+
+
+def mirrored_field(field: Tensor, mirror: Mirror) -> Tensor:
+    """Return a vector field on the patch grid, x right and y down, (b, 2, 14, 14, 2), likewise."""
+    turned = field.flip(2 + mirror.value)
+    turned[..., 1 - mirror.value] *= -1
+    return turned
+
+
+@lru_cache(maxsize=len(Mirror))
+def _places(mirror: Mirror) -> tuple[Tensor, Tensor]:
+    """Return where every input of one time-bin comes from, and its sign."""
+    axis = mirror.value
+    shape = (GRID_SIDE, GRID_SIDE, PATCH_INPUT_DIM)
+    source = torch.arange(math.prod(shape)).view(shape).flip(axis)
+    cells = source[..., :RESIDUAL_DIM].unflatten(-1, (CELLS, CELLS, 3))
+    source[..., :RESIDUAL_DIM] = cells.flip(cells.ndim - 3 + axis).flatten(-3)
+    sign = torch.ones(shape)
+    # Motion along the axis changes its sign, and the gradients' product x y.
+    along = 1 - axis
+    moved = [ALIGNED_AT + place + along for place in range(0, ALIGNED_DIM, 2)]
+    sign[..., [*moved, LOCAL_AT + along, LOCAL_AT + 5]] = -1
+    return source.flatten(), sign.flatten()

@@ -49,13 +49,10 @@ class View:
     picture_width_px: int = IMAGE_SIDE
 
     def in_picture(self, points: NDArray) -> NDArray:
-        """Return where points of the view lie in the picture.
+        """Return where points (..., 2) of the view lie in the picture.
 
-        Args:
-            points: Shares (x, y) of the view's side from its upper left corner, (..., 2).
-
-        Returns:
-            Shares of the picture's width and height, (..., 2).
+        Shares (x, y) of the view's side, from its upper left corner, become shares of the picture's
+        width and height.
         """
         filled = np.array([self.picture_width_px, self.picture_height_px])
         corner = np.array([self.centre_x_px, self.centre_y_px]) - self.side_px / 2
@@ -64,9 +61,7 @@ class View:
     def cut(self, image: NDArray) -> NDArray:
         """Return the view's part of a square image or grid at the same size; zero outside.
 
-        Args:
-            image: float32 or uint8, shape (side, side) or (side, side, channels), covering the
-                whole 224-pixel image at any resolution.
+        It covers the whole 224-pixel image at any resolution, with or without channels.
         """
         pixels = image.shape[0] / IMAGE_SIDE
         middles = (self.centre_x_px, self.centre_y_px)
@@ -85,13 +80,9 @@ class View:
 def contact_view(energy: Sequence[Floats]) -> View:
     """Return the view around what stands out from the idle gel in any frame.
 
-    Args:
-        energy: Mean squared gradient of the residual in each cell of `VIEW_CELL_PX` of each frame,
-            grey^2 per px^2, (28, 28).
-
-    Returns:
-        A view centred on the imprint to a pixel, between `MIN_VIEW_PX` and the whole image large;
-        the whole image where nothing stands out.
+    `energy` is the mean squared gradient of the residual in each cell of `VIEW_CELL_PX` of each
+    frame, grey^2 per px^2, (28, 28). The view is centred on the imprint to a pixel, between
+    `MIN_VIEW_PX` and the whole image large, which it is where nothing stands out.
     """
     most = np.max(energy, axis=0)
     excess = np.sqrt(np.maximum(most - 2 * np.median(most) - CONTRAST_FLOOR_GREY2, 0))

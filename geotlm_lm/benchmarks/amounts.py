@@ -1,36 +1,62 @@
-"""How far: amounts that are believed beside two rivals', on clips whose amounts are known."""
+"""Components and amounts: turn, slide and press at once, and how far a single motion went.
+
+Mixed motions are simulated and graded component by component; amounts are asked of clips whose
+amounts are known.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+import operator
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.evidence_of import recording_of
-from geotlm_lm.benchmarks.cases.semi_real import SemiRealSlides
-from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
-from geotlm_lm.benchmarks.halves import by_half, recordings_by_half, rows_of_half, titled
+from geotlm_lm.benchmarks.cases import (
+    by_half,
+    recordings_by_half,
+    rows_of_half,
+    semi_real_slides,
+    simulated_clips,
+    titled,
+)
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.judging import Graded, share_row, share_rows
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
-from geotlm_lm.benchmarks.rows import Listing, Row, Run, Section
-from geotlm_lm.benchmarks.statistics import share_row
+from geotlm_lm.benchmarks.variants import BELIEF, FITS, GENERATED, RIVALS, question_for
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
+from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.tolerance import within_tolerance
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.amounts import Measure, measure
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from geotlm_lm.simulation.simulate import simulate_series
+from geotlm_lm.simulation.truth import components_of, twist_of
 
-ABOUT = """\
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer, Encoded
+    from geotlm_lm.motion.belief import Belief
+
+MIXTURES_ABOUT = """\
+Everyday objects that turn, slide and press freely at once. Of each component that counts and shows,
+the *way* is right with the sign of a turn or a press, and of a slide with a heading at most 45
+degrees off; *how far* within 2 degrees, 2 pixels, 0.2 mm or a fifth; the *span*, nine in ten, holds
+the truth. *Counts* is whether a component is told where it counts and not told where it does not;
+what is ambiguous, or counts and hardly shows, is left out. *Both ways* needs a turn and a slide
+told, each the right way. Words are asked about each component apart."""
+
+AMOUNTS_ABOUT = """\
 The kind of motion is given; only how far it went from the first to the last frame is asked. An
 amount is right if it is off by 2 degrees, 2 pixels of a 224-pixel image, or a fifth of the true
 one, at most; *off by* is relative to the true one. The belief also tells a span meant to hold
@@ -39,18 +65,151 @@ amounts are exact. Those of real windows were measured from the images: where tw
 differ by more than the tolerance the window is left out, and on gels with markers they are how far
 the markers went, which lag behind the object. Intervals resample families of objects."""
 
-CLIPS, BELIEF = 300, "belief"
+MIXED_CLIPS, CLIPS = 600, 300
 
-RIVALS = {"optical flow": RigidFlow(), "direct alignment": RigidAlignment()}
+UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
+
+OPEN_QUESTIONS = {
+    Component.TURN: question_for(ROTATIONS),
+    Component.SLIDE: question_for(SLIDES),
+}
+
+CLAIMS = {Motion.PRESS: "Is it pressing in?", Motion.RELEASE: "Is it lifting off?"}
+"""A press has two ways and no question of its own."""
+
+LEAST_COSINE = math.cos(math.radians(45)) - 1e-9
+"""Of the angle between a predicted way and the true one."""
+
+NINE_IN_TEN = 1.6448536269514722
+"""Deviations of a normal spread on either side that hold nine in ten."""
 
 Unit = Literal["deg", "px"]
-UNITS: dict[str, Unit] = {"rotation": "deg", "sliding": "px"}
+TASK_UNITS: dict[str, Unit] = {"rotation": "deg", "sliding": "px"}
 
 COLUMNS: dict[Unit, tuple[tuple[str, ...], ...]] = {
     "deg": (("rotation_deg_cw",), ("rotation_deg_cw_search",), ("rotation_deg_cw_cumulative",)),
     "px": (("dx_px", "dy_px"), ("dx_px_cumulative", "dy_px_cumulative")),
 }
 """Columns of a table of windows that tell how far, and those of measurements beside the first."""
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a method says of each component of a clip; those it cannot tell of are left out.
+
+    `ways` are vectors whose length means nothing, `amounts` in `UNITS`, and nine times in ten an
+    amount lies in its span.
+    """
+
+    ways: Mapping[Component, tuple[float, ...]]
+    amounts: Mapping[Component, float] = field(default_factory=dict)
+    spans: Mapping[Component, tuple[float, float]] = field(default_factory=dict)
+    counting: Mapping[Component, bool] = field(default_factory=dict)
+
+
+def grades(label: MotionLabel, predicted: Prediction) -> Iterator[tuple[str, bool]]:
+    """Yield what is graded of a clip, such as "turn: way", and whether it is right."""
+    ways, both = _parts(twist_of(label)), []
+    for part, truth in components_of(label).items():
+        is_counting = truth.counts
+        if is_counting is None or (is_counting and not truth.is_visible):
+            continue
+        if part in predicted.counting:
+            yield f"{part}: counts", predicted.counting[part] == is_counting
+        if is_counting and part in predicted.ways:
+            is_right = _cosine(predicted.ways[part], ways[part]) >= LEAST_COSINE
+            if part is not Component.PRESS:
+                both.append(is_right and predicted.counting.get(part, True))
+            yield f"{part}: way", is_right
+        amount = math.hypot(*ways[part])
+        if is_counting and part in predicted.amounts:
+            is_near = within_tolerance(predicted.amounts[part], amount, UNITS[part])
+            yield f"{part}: how far", is_near
+        if is_counting and part in predicted.spans:
+            low, high = predicted.spans[part]
+            yield f"{part}: span", low <= amount <= high
+    if len(both) == 2:
+        yield "turn and slide: both ways", all(both)
+
+
+def _parts(twist: Twist) -> dict[Component, tuple[float, ...]]:
+    """Return a twist by its components: degrees, pixels right and down, mm."""
+    slide = (twist.right_px, twist.down_px)
+    parts = ((twist.turn_deg,), slide, (twist.inward_mm,))
+    return dict(zip(COMPONENTS, parts, strict=True))
+
+
+def _toward(way: Motion) -> tuple[float, ...]:
+    """Return a way as a vector: a slide's right and down, of the others a sign."""
+    axes = dict.fromkeys(("turn", "right", "down", "inward"), 0.0)
+    along = [signed_amount(way, **axes | {axis: 1.0}) for axis in axes]
+    return _parts(Twist(*along))[COMPONENT_OF[way]]
+
+
+def _cosine(first: tuple[float, ...], second: tuple[float, ...]) -> float:
+    """Return that of the angle between two vectors; -1 where either has no length."""
+    lengths = math.hypot(*first) * math.hypot(*second)
+    return sum(map(operator.mul, first, second)) / lengths if lengths > 0 else -1.0
+
+
+def belief_prediction(belief: Belief) -> Prediction:
+    """Return what a belief says: of turn and press the likelier way, of a slide its heading."""
+    amounts = {part: belief.amount(part) for part in COMPONENTS}
+    far = {part: NINE_IN_TEN * belief.deviation(part) for part in COMPONENTS}
+    signs = {part: _toward(belief.way(part)) for part in (Component.TURN, Component.PRESS)}
+    return Prediction(
+        ways=_parts(belief.mean) | signs,
+        amounts=amounts,
+        spans={part: (amounts[part] - far[part], amounts[part] + far[part]) for part in COMPONENTS},
+        counting={part: belief.counts(part) >= 0.5 for part in COMPONENTS},
+    )
+
+
+def words_prediction(answerer: Answerer, encoded: Encoded) -> Prediction:
+    """Return what words say of each component when they are asked about it."""
+    named = {part: answerer.ask(encoded, q).in_the_image for part, q in OPEN_QUESTIONS.items()}
+    claims = (way for way, q in CLAIMS.items() if answerer.ask(encoded, q).decided == "yes")
+    named[Component.PRESS] = next(claims, None)
+    counting = {part: COMPONENT_OF.get(way) is part for part, way in named.items()}
+    ways = {part: _toward(way) if counting[part] else (0.0,) for part, way in named.items()}
+    return Prediction(ways, counting=counting)
+
+
+def _fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction:
+    fit = rival.fit(clip)
+    rows, columns = camera_size(*clip.frames.shape[1:3])
+    right, down = fit.slide_x_px * IMAGE_SIDE / columns, fit.slide_y_px * IMAGE_SIDE / rows
+    ways = _parts(Twist(fit.rotation_deg, right, down))
+    del ways[Component.PRESS]
+    return Prediction(ways, {part: math.hypot(*way) for part, way in ways.items()})
+
+
+def mixture_rows(run: Run) -> list[Row]:
+    """Return one row for each thing graded and method."""
+    count = run.size(MIXED_CLIPS, 6)
+    series = simulate_series(
+        seed_for(run.seed, "evaluation", "mixtures"),
+        count,
+        objects=EVERYDAY_OBJECTS,
+        motions=[motion for motion in Motion if motion is not Motion.NONE],
+        mixed_share=1.0,
+    )
+
+    def graded() -> Iterator[Graded]:
+        for done, made in enumerate(series, start=1):
+            encoded = run.answerer.encode(made.clip)
+            predictions = {
+                BELIEF: belief_prediction(encoded.belief),
+                GENERATED: words_prediction(run.answerer, encoded),
+            }
+            for name, rival in zip(RIVALS, FITS.values(), strict=True):
+                predictions[name] = _fit_prediction(rival, made.clip)
+            for name, predicted in predictions.items():
+                for what, is_right in grades(made.label, predicted):
+                    yield f"simulated mixtures, {what}", name, is_right, made.object_name
+            run.progress("simulated mixtures", done, count)
+
+    return sorted(share_rows(graded(), run.seed), key=lambda row: row.case)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,53 +222,52 @@ class Moved:
     motion: Motion
     family: str
 
-    def is_right(self, told: float) -> bool:
-        """Tell whether an amount is within tolerance, pixels being those of a 224-pixel image."""
+    def is_right(self, value: float) -> bool:
+        """Whether an amount is within tolerance, pixels being those of a 224-pixel image."""
         rows, columns = self.clip.frames.shape[1:3]
         side = rows if self.motion in (Motion.UP, Motion.DOWN) else columns
         scale = side / IMAGE_SIDE if self.unit == "px" else 1.0
-        return within_tolerance(told / scale, self.amount / scale, self.unit)
+        return within_tolerance(value / scale, self.amount / scale, self.unit)
 
 
 def amount_rows(run: Run) -> Iterator[Row]:
     """Yield a row of the belief and of each rival for each source of clips."""
-    for title, clips in sources(run):
+    for title, clips in _sources(run):
         run.progress(f"how far, {title}", 0, 1)
-        told: dict[str, list[tuple[Moved, Measure | float]]] = {}
-        for one in clips:
-            told.setdefault(BELIEF, []).append((one, belief_tells(run.answerer, one)))
-            for name, rival in RIVALS.items():
-                told.setdefault(name, []).append((one, rival_tells(rival, one)))
-        for method, pairs in told.items():
-            yield scored(title, method, pairs, run.seed)
+        answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
+        for moved in clips:
+            answers.setdefault(BELIEF, []).append((moved, _believed_amount(run.answerer, moved)))
+            for name, rival in FITS.items():
+                answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
+        for method, pairs in answers.items():
+            yield amount_row(title, method, pairs, run.seed)
 
 
-def sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
+def _sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
     """Yield titles and clips: simulated, real windows whose tables tell how far, semi-real."""
     few = slice(run.size(None, 2))
-    for task, unit in UNITS.items():
-        cases = SimulatedCases(task, run.size(CLIPS, 4), run.seed)
-        yield f"simulated {task}", _simulated(cases, unit)
+    for task, unit in TASK_UNITS.items():
+        yield f"simulated {task}", _simulated(run, task, unit)
     for name, half, real in recordings_by_half(run.real):
-        for task, unit in UNITS.items():
+        for task, unit in TASK_UNITS.items():
             rows = tuple(row for row in real.rows if known_amount(row, unit))[few]
             windows = _windows(replace(real, rows=rows), unit)
             yield titled(f"real {name}, {task}", half), windows
-        touched = read_touch_table(real.folder / TABLE_NAME)
-        slides = SemiRealSlides(rows_of_half(touched, half)[few], run.seed).made()
-        moved = (Moved(one.clip, "px", way, one.motion, one.family) for one, way in slides)
+        touched = rows_of_half(read_touch_table(real.folder / TABLE_NAME), half)[few]
+        slides = semi_real_slides(touched, run.seed)
+        moved = (Moved(case.clip, "px", px, case.motion, case.family) for case, px in slides)
         yield titled(f"semi-real {name}, sliding", half), moved
 
 
-def _simulated(cases: SimulatedCases, unit: Unit) -> Iterator[Moved]:
-    for made in cases.made():
+def _simulated(run: Run, task: str, unit: Unit) -> Iterator[Moved]:
+    for made in simulated_clips(task, run.size(CLIPS, 4), run.seed):
         yield Moved(made.clip, unit, amount_of(made.label), made.label.motion, made.object_name)
 
 
 def _windows(recordings: LabelledRecordings, unit: Unit) -> Iterator[Moved]:
-    for one in recordings.windows(frames=("four",), backwards=True):
-        amount = known_amount(one.row, unit)
-        yield Moved(one.clip, unit, amount, one.motion, one.row.object_family)
+    for window in recordings.windows(frames=("four",), backwards=True):
+        amount = known_amount(window.row, unit)
+        yield Moved(window.clip, unit, amount, window.motion, window.row.object_family)
 
 
 def known_amount(row: WindowRow, unit: Unit) -> float | None:
@@ -127,47 +285,42 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
     if row.motion not in (ROTATIONS if unit == "deg" else SLIDES):
         return None
     first, *others = map(length, COLUMNS[unit])
-    agree = first and all(one is None or within_tolerance(one, first, unit) for one in others)
+    agree = first and all(x is None or within_tolerance(x, first, unit) for x in others)
     return first if agree else None
 
 
-def belief_tells(answerer: Answerer, moved: Moved) -> Measure:
-    """Return what is believed of a clip whose kind of motion is given."""
+def _believed_amount(answerer: Answerer, moved: Moved) -> Measure:
     component = Component.TURN if moved.unit == "deg" else Component.SLIDE
     encoded = answerer.encode(moved.clip)
     return measure(component.value, encoded.belief, FrameSpec(), recording_of(encoded))
 
 
-def rival_tells(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
-    """Return what the rigid motion that a rival fits tells."""
-    found = rival.fit(moved.clip)
+def fitted_amount(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
+    """Return the amount of the rigid motion that a rival fits, in pixels of the clip's frames."""
+    fit = rival.fit(moved.clip)
     if moved.unit == "deg":
-        return abs(found.rotation_deg)
+        return abs(fit.rotation_deg)
     rows, columns = moved.clip.frames.shape[1:3]
     camera_rows, camera_columns = camera_size(rows, columns)
-    x, y = found.slide_x_px * columns / camera_columns, found.slide_y_px * rows / camera_rows
+    x, y = fit.slide_x_px * columns / camera_columns, fit.slide_y_px * rows / camera_rows
     return float(np.hypot(x, y))
 
 
-def scored(
+def amount_row(
     case: str, variant: str, pairs: Sequence[tuple[Moved, Measure | float]], seed: int
 ) -> Row:
-    """Return how near told amounts are to the true ones; the belief's also say how sure."""
-    values = [told if isinstance(told, float) else told.value for _, told in pairs]
-    right = [one.is_right(value) for (one, _), value in zip(pairs, values, strict=True)]
-    off_by = np.abs(np.array(values) / [one.amount for one, _ in pairs] - 1)
+    """Return how near amounts are to the true ones; the belief's also say how sure."""
+    values = [answer if isinstance(answer, float) else answer.value for _, answer in pairs]
+    right = [moved.is_right(value) for (moved, _), value in zip(pairs, values, strict=True)]
+    off_by = np.abs(np.array(values) / [moved.amount for moved, _ in pairs] - 1)
     detail = {"unit": pairs[0][0].unit, "off_by": float(np.median(off_by))}
-    sure = [(one.amount, told) for one, told in pairs if not isinstance(told, float)]
+    sure = [(moved.amount, answer) for moved, answer in pairs if not isinstance(answer, float)]
     if sure:
-        detail["in_span"] = float(np.mean([_holds(told, true) for true, told in sure]))
-        detail["mean_probability"] = float(np.mean([told.probability for _, told in sure]))
-    families = [one.family for one, _ in pairs]
+        is_held = [low <= amount <= high for amount, m in sure for low, high in [m.span]]
+        detail["in_span"] = float(np.mean(is_held))
+        detail["mean_probability"] = float(np.mean([m.probability for _, m in sure]))
+    families = [moved.family for moved, _ in pairs]
     return share_row(case, variant, right, families, seed, detail=detail)
-
-
-def _holds(told: Measure, true: float) -> bool:
-    low, high = told.span
-    return low <= true <= high
 
 
 _COLUMNS = {
@@ -181,10 +334,18 @@ _COLUMNS = {
     "mean probability": lambda row: number(row.detail.get("mean_probability")),
 }
 
+MIXTURES = Section(
+    name="mixtures",
+    title="Turn, slide and press at once",
+    about=MIXTURES_ABOUT,
+    run=mixture_rows,
+    views={"": (Pivot(right_with_interval, "clips, what is graded"), every)},
+)
+
 AMOUNTS = Section(
     name="amounts",
     title="How far it goes",
-    about=ABOUT,
+    about=AMOUNTS_ABOUT,
     run=amount_rows,
     views=by_half(Listing(_COLUMNS)),
 )

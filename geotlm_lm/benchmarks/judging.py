@@ -1,6 +1,7 @@
-"""Variants side by side on the same clips: what each named, how long it took, how they differ.
+"""Variants side by side on the same clips: rows of shares, times, and how far off these could be.
 
-Knows no model: a variant is anything that names a motion for a clip.
+Knows no model: a variant is anything that names a motion for a clip. Clips of one object hang
+together, so objects are resampled as wholes; a reply of None is wrong, never left out.
 """
 
 from __future__ import annotations
@@ -13,12 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.benchmarks.rows import Row
-from geotlm_lm.benchmarks.statistics import milliseconds, paired_difference, share_row
+from geotlm_lm.benchmarks.harness import Row
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.grouping import mean_by_group
-from geotlm_lm.core.labels import DIRECTED, Motion, reverse
+from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.numbers import Labels, group_codes, mean_by_group
 from geotlm_lm.core.twist import COMPONENT_OF, Component
+
+DRAWS = 4000
+"""Bootstrap resamples; a 2.5 % quantile then has a relative error of its rank of about 10 %."""
+
+NORMAL_95 = 1.959963984540054
+"""97.5 % quantile of the normal distribution."""
 
 NEAR = 0.005
 """Share of right answers up to which words are not below a rival."""
@@ -29,14 +35,10 @@ CLAIMED = (Component.TURN, Component.SLIDE)
 
 @dataclass(frozen=True)
 class Case:
-    """One clip to be judged.
+    """A clip (None once it has been asked about), its true motion and what is touched.
 
-    Args:
-        clip: The frames; None once it has been asked about.
-        motion: The truth.
-        object_id: What is touched: the unit of the macro average.
-        family: Objects that are not independent of each other: the unit of resampling.
-        tags: What the clip can be selected by afterwards, e.g. played="backwards".
+    `object_id` is the unit of the macro average; `family`, objects that are not independent of each
+    other, that of resampling. Afterwards it can be selected by `tags`, e.g. played="backwards".
     """
 
     clip: Clip | None
@@ -48,22 +50,19 @@ class Case:
 
 @dataclass(frozen=True)
 class Reply:
-    """What a variant made of a clip.
+    """The motion that a variant names, or None, and its time from the clip in memory to it.
 
-    Args:
-        motion: The motion it names; None when it names none.
-        milliseconds: Everything the variant needed from the clip in memory to the motion.
-        claims: Every way it says that a turn or a slide goes; None for that of `motion` alone.
+    `claims` is every way it says that a turn or a slide goes; None for that of `motion` alone.
     """
 
     motion: Motion | None
     milliseconds: float
     claims: tuple[Motion, ...] | None = None
 
-    def claimed(self, component: Component) -> Motion | None:
-        """Return which way it says that a component goes; None where it says none."""
+    def claims_a(self, component: Component) -> bool:
+        """Whether it says that a component moves."""
         ways = (self.motion,) if self.claims is None else self.claims
-        return next((way for way in ways if COMPONENT_OF.get(way) is component), None)
+        return any(COMPONENT_OF.get(way) is component for way in ways)
 
 
 Variant = Callable[[Clip, tuple[Motion, ...]], Reply]
@@ -72,26 +71,17 @@ Variant = Callable[[Clip, tuple[Motion, ...]], Reply]
 
 @dataclass(frozen=True, eq=False)
 class Replies:
-    """Everything all variants said about the same cases.
-
-    Args:
-        cases: The cases, their clips no longer kept.
-        replies: What each variant said, case by case.
-    """
+    """The same cases, their clips no longer kept, and the replies of each variant to them."""
 
     cases: list[Case]
     replies: dict[str, list[Reply]]
 
-    def __len__(self) -> int:
-        return len(self.cases)
-
     def where(self, **tags: str) -> Replies:
         """Return the replies to the cases that carry all of `tags`."""
-        asked = tags.items()
-        kept = [i for i, case in enumerate(self.cases) if asked <= dict(case.tags).items()]
+        kept = [i for i, case in enumerate(self.cases) if tags.items() <= dict(case.tags).items()]
         return Replies(
             [self.cases[i] for i in kept],
-            {name: [said[i] for i in kept] for name, said in self.replies.items()},
+            {name: [own[i] for i in kept] for name, own in self.replies.items()},
         )
 
     def right(self, variant: str) -> NDArray[np.bool_]:
@@ -117,21 +107,14 @@ def ask_all(
     among: Sequence[Motion],
     progress: Callable[[int], None] = lambda done: None,
 ) -> Replies:
-    """Put every case to every variant; clips are read one at a time and not kept.
-
-    Args:
-        variants: The variants, by the name their row gets.
-        cases: The clips and their truths.
-        among: The motions in question.
-        progress: Called with the number of cases done.
-    """
-    found = Replies([], {name: [] for name in variants})
+    """Put every case to every variant; clips are read one at a time and not kept."""
+    asked = Replies([], {name: [] for name in variants})
     for done, case in enumerate(cases, start=1):
         for name, variant in variants.items():
-            found.replies[name].append(variant(case.clip, tuple(among)))
-        found.cases.append(replace(case, clip=None))
+            asked.replies[name].append(variant(case.clip, tuple(among)))
+        asked.cases.append(replace(case, clip=None))
         progress(done)
-    return found
+    return asked
 
 
 def rows_of_replies(
@@ -145,23 +128,18 @@ def rows_of_replies(
 ) -> list[Row]:
     """Return one row per variant: its error, its times, and how words compare with their rivals.
 
-    Args:
-        title: What the rows call these cases.
-        replies: What was said; without a case there is no row.
-        words: The variant that is held against the better of its rivals.
-        rivals: The variants it may not be worse than.
-        seed: Root of the resampling.
-        facts: What is to be known of the cases beside; in the first row's detail.
+    `words` is held against the better of its `rivals`; `facts` about the cases go into the first
+    row's detail. Without a case there is no row.
     """
     rows, families = [], [case.family for case in replies.cases]
-    for name in replies.replies if len(replies) else ():
+    for name in replies.replies if replies.cases else ():
         right, detail = replies.right(name), _detail(replies, name) | dict(facts or {})
         others = {rival: replies.right(rival) for rival in rivals if rival in replies.replies}
         if name == words and others:
             better = max(others, key=lambda rival: others[rival].mean())
             gain = paired_difference(right, others[better], families, seed=seed)
             detail["rival"] = {"name": better, "is_below": gain["difference"] < -NEAR} | gain
-        ms = milliseconds([one.milliseconds for one in replies.replies[name]])
+        ms = milliseconds([reply.milliseconds for reply in replies.replies[name]])
         rows.append(share_row(title, name, right, families, seed, detail=detail, **ms))
         facts = None
     return rows
@@ -169,41 +147,90 @@ def rows_of_replies(
 
 def _detail(replies: Replies, name: str) -> dict[str, Any]:
     truths = [case.motion for case in replies.cases]
-    right, said = replies.right(name), replies.replies[name]
+    right, own = replies.right(name), replies.replies[name]
     by_object = mean_by_group(right, [case.object_id for case in replies.cases])
     detail: dict[str, Any] = {
         "macro_by_object": float(np.mean(list(by_object.values()))),
         "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
-        "unanswered": sum(reply.motion is None for reply in said),
+        "unanswered": sum(reply.motion is None for reply in own),
     }
-    undirected = [one for truth, one in zip(truths, said, strict=True) if truth not in DIRECTED]
+    undirected = [r for truth, r in zip(truths, own, strict=True) if truth not in DIRECTED]
     if undirected:
         detail["claims"] = {
-            part.value: sum(one.claimed(part) is not None for one in undirected) / len(undirected)
+            part.value: sum(reply.claims_a(part) for reply in undirected) / len(undirected)
             for part in CLAIMED
         }
     return detail
 
 
-def claims_turned_round(
-    forwards: Replies, backwards: Replies
-) -> dict[str, dict[str, tuple[int, int]]]:
-    """Return how many turns and slides each variant claimed, and of how many the opposite too.
+def share_row(
+    case: str,
+    variant: str,
+    right: Sequence[bool] | NDArray[np.bool_],
+    families: Labels,
+    seed: int = 0,
+    **fields: Any,
+) -> Row:
+    """Return a row of the share of wrong answers and its 95 % interval.
 
-    That a direction turns round with the clip speaks for a motion in it; one that a variant is
-    merely inclined to claim stays as it is.
-
-    Args:
-        forwards: What was said of clips.
-        backwards: What was said of the same clips in the same order, played backwards, perhaps
-            asked in other words.
+    `families` says, per answer, what is resampled as a whole; `fields` are further ones of the row.
     """
-    counts: dict[str, dict[str, tuple[int, int]]] = {}
-    for name, said in forwards.replies.items():
-        pairs = list(zip(said, backwards.replies[name], strict=True))
-        for part in CLAIMED:
-            ways = [(one.claimed(part), other.claimed(part)) for one, other in pairs]
-            claimed = [(one, other) for one, other in ways if one is not None]
-            turned = sum(other == reverse(one) for one, other in claimed)
-            counts.setdefault(name, {})[part.value] = (len(claimed), turned)
-    return counts
+    right = np.asarray(right)
+    low, high = clustered_interval(right, families, seed=seed)
+    error, interval = 1 - float(right.mean()), (1 - high, 1 - low)
+    return Row(case, variant, len(right), error, interval=interval, **fields)
+
+
+Graded = tuple[str, str, bool, str]
+"""Case, variant, whether its answer is right, and the family that is resampled as a whole."""
+
+
+def share_rows(graded: Iterable[Graded], seed: int) -> list[Row]:
+    """Return the shares of wrong answers by case and variant, in order of appearance."""
+    answers: dict[tuple[str, str], list[tuple[bool, str]]] = {}
+    for case, variant, is_right, family in graded:
+        answers.setdefault((case, variant), []).append((is_right, family))
+    return [share_row(*key, *zip(*own, strict=True), seed) for key, own in answers.items()]
+
+
+def clustered_interval(
+    values: NDArray[Any], objects: Labels, *, seed: int = 0
+) -> tuple[float, float]:
+    """Return the 95 % interval of an accuracy, resampling whole objects.
+
+    Resampling cannot show doubt where objects agree, and not at all with one object; the interval
+    is therefore never narrower, at either end, than Wilson's for as many independent clips.
+    """
+    values = np.asarray(values, dtype=float)
+    low, high = np.quantile(_resampled_means(values, objects, seed), [0.025, 0.975])
+    share, count, z2 = float(values.mean()), len(values), NORMAL_95**2
+    centre = (share + z2 / (2 * count)) / (1 + z2 / count)
+    half = NORMAL_95 / (1 + z2 / count)
+    half *= np.sqrt(share * (1 - share) / count + z2 / (4 * count**2))
+    wilson_low, wilson_high = max(float(centre - half), 0.0), min(float(centre + half), 1.0)
+    return min(float(low), wilson_low), max(float(high), wilson_high)
+
+
+def paired_difference(
+    first: NDArray[Any], second: NDArray[Any], objects: Labels, *, seed: int = 0
+) -> dict[str, float]:
+    """Return the difference of two accuracies with its 95 % interval, objects kept whole."""
+    gain = np.asarray(first, dtype=float) - np.asarray(second, dtype=float)
+    if len(set(objects)) == 1:  # a single object says nothing of others
+        return {"difference": float(gain.mean()), "low": -1.0, "high": 1.0}
+    low, high = np.quantile(_resampled_means(gain, objects, seed), [0.025, 0.975])
+    return {"difference": float(gain.mean()), "low": float(low), "high": float(high)}
+
+
+def milliseconds(values: Sequence[float]) -> dict[str, float]:
+    """Return the median and the 95th percentile, by the names of a row's fields."""
+    return {"ms_p50": float(np.median(values)), "ms_p95": float(np.quantile(values, 0.95))}
+
+
+def _resampled_means(values: NDArray[Any], objects: Labels, seed: int) -> NDArray[np.float64]:
+    codes, names = group_codes(objects)
+    sums = np.bincount(codes, weights=values, minlength=len(names))
+    sizes = np.bincount(codes, minlength=len(names))
+    chance = np.full(len(names), 1 / len(names))
+    counts = np.random.default_rng(seed).multinomial(len(names), chance, size=DRAWS)
+    return (counts @ sums) / (counts @ sizes)

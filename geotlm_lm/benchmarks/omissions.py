@@ -1,4 +1,4 @@
-"""The omissions bench: what each thing that is left out saves, and what leaving it out costs."""
+"""What each thing that is left out saves, and what leaving it out costs."""
 
 from __future__ import annotations
 
@@ -12,24 +12,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geotlm_lm.answering import Encoded
-from geotlm_lm.benchmarks.pareto_answers import runtime_clips
-from geotlm_lm.benchmarks.pareto_processes import QUESTION, Way, in_turn
-from geotlm_lm.benchmarks.pareto_simulator import differences, moving, solved
+from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.judging import milliseconds
+from geotlm_lm.benchmarks.pareto import Way, differences, in_turn, moving, runtime_clip, solved
 from geotlm_lm.benchmarks.rendering import number
-from geotlm_lm.benchmarks.rows import Bench, Listing, Row, Run, Section, every
-from geotlm_lm.benchmarks.statistics import milliseconds
-from geotlm_lm.simulation.presets import PRESETS, Preset
+from geotlm_lm.benchmarks.variants import QUESTION
+from geotlm_lm.simulation.contact import PRESETS, Preset
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Scene
 
 QUESTIONS = (QUESTION, "Is it turning clockwise?", "Is anything touching the gel?")
 
 BY_RULE = "Which way is it moving, seen from the object's side?"
-"""Told by rule: the language model's own sentences are about the camera image."""
+"""Answered by rule: the language model's own sentences are about the camera image."""
 
 
 class Omission(NamedTuple):
-    """One thing that is left out: where, doing it, leaving it out, and what that costs.
+    """Something that is left out: where, doing it, leaving it out, and what that costs.
 
     The cost is of both results: errors of the lean one by their units.
     """
@@ -57,21 +56,20 @@ def omission_rows(omissions: Iterable[Omission], repeats: int) -> Iterator[Row]:
 
 def model_omissions(run: Run) -> list[Omission]:
     """Return what is left out on the way to an answer about a simulated turn of four frames."""
-    (clip,) = runtime_clips(run, 1)
-    encode, ask = partial(run.answerer.encode, clip), run.answerer.ask
+    encode, ask = partial(run.answerer.encode, runtime_clip(run)), run.answerer.ask
     encoded = encode()
-    words, told = partial(ask, encoded, QUESTION), partial(ask, encoded, BY_RULE)
+    words, by_rule = partial(ask, encoded, QUESTION), partial(ask, encoded, BY_RULE)
 
-    def asked(views: Iterable[Encoded]) -> list[str]:
-        return [ask(seen, one).text for seen, one in zip(views, QUESTIONS, strict=False)]
+    def answers(views: Iterable[Encoded]) -> list[str]:
+        return [ask(view, question).text for view, question in zip(views, QUESTIONS, strict=False)]
 
     def changed(full: list[str], lean: list[str]) -> dict[str, float]:
         return {"of answers changed": float(np.mean(np.not_equal(full, lean)))}
 
-    encodings = (lambda: asked(encode() for _ in QUESTIONS), lambda: asked(repeat(encode())))
+    encodings = (lambda: answers(encode() for _ in QUESTIONS), lambda: answers(repeat(encode())))
     return [
         Omission("encoding again", "three questions about one clip", *encodings, changed),
-        Omission("the language model", "told in another frame", words, told),
+        Omission("the language model", "told in another frame", words, by_rule),
         Omission("the belief", "not asked how it moves", lambda: encode().belief, encode),
     ]
 
@@ -93,40 +91,26 @@ def scene_omissions(preset: Preset) -> Iterator[Omission]:
         yield Omission(name, "a key", full, lean, partial(differences, scene))
 
 
-def rows_of_all(run: Run) -> Iterator[Row]:
-    """Yield the rows of an answer and of a simulated scene."""
+def _saved_rows(run: Run) -> Iterator[Row]:
     yield from omission_rows(model_omissions(run), run.size(30, 1))
     yield from omission_rows(scene_omissions(PRESETS[run.size("fast", "draft")]), run.size(7, 1))
 
 
-VIEW = Listing(
-    {
-        "left out": lambda row: row.case,
-        "when": lambda row: row.detail["when"],
-        "ms with it": lambda row: number(row.detail["full_ms"], ".1f"),
-        "ms without": lambda row: number(row.ms_p50, ".1f"),
-        "ms saved (range)": lambda row: "{1:.1f} ({0:.1f} to {2:.1f})".format(
-            *row.detail["saved_ms"]
-        ),
-        "costs": lambda row: "; ".join(
-            f"{much:.2g} {x}" for x, much in row.detail["costs"].items()
-        ),
-    }
-)
+_COLUMNS = {
+    "left out": lambda row: row.case,
+    "when": lambda row: row.detail["when"],
+    "ms with it": lambda row: number(row.detail["full_ms"], ".1f"),
+    "ms without": lambda row: number(row.ms_p50, ".1f"),
+    "ms saved (range)": lambda row: "{1:.1f} ({0:.1f} to {2:.1f})".format(*row.detail["saved_ms"]),
+    "costs": lambda row: "; ".join(f"{much:.2g} {x}" for x, much in row.detail["costs"].items()),
+}
 
-OMISSIONS = Bench(
-    name="omissions",
-    title="What is left out",
-    about="What a question, a command or a scene does not need does not run.",
-    sections=(
-        Section(
-            name="saved",
-            title="Saved and lost",
-            about="""\
+SAVED = Section(
+    name="saved",
+    title="Saved and lost",
+    about="""\
 Both ways run in turn, medians, one thread, on one simulated clip or scene. *Costs* is the error of
 leaving it out against doing it; none where the two do not tell the same.""",
-            run=rows_of_all,
-            views={"": (VIEW, every)},
-        ),
-    ),
+    run=_saved_rows,
+    views={"": (Listing(_COLUMNS), every)},
 )

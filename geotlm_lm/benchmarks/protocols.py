@@ -6,38 +6,49 @@ Each task runs in a process of its own.
 
 from __future__ import annotations
 
-import multiprocessing
 import tomllib
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from geotlm_lm.benchmarks.cases import simulated
-from geotlm_lm.benchmarks.one_thread import threads
-from geotlm_lm.benchmarks.protocol_clips import TaskClips, task_clips
+from geotlm_lm.backbone.tokens import Backbone, Tokens
+from geotlm_lm.benchmarks import cases
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
+from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
-from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
-from geotlm_lm.benchmarks.statistics import share_row
-from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.grouping import mean_by_group
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.geometry import FRAME_COUNT, GRID_SIDE
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.progress import silent
+from geotlm_lm.core.numbers import mean_by_group, seed_for
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.dgr.ablations import DGRParts
-from geotlm_lm.probe.logistic import fit_logistic
+from geotlm_lm.probe.curl import curl_features
+from geotlm_lm.probe.linear import fit_logistic
+from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.runs.processes import threads
+from geotlm_lm.runs.run import ALONE, Workers
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.training.folds import Recipe, standardise_fold, train_on_fold
-from geotlm_lm.training.object_folds import Fold, leave_one_object_out, object_folds
-
-if TYPE_CHECKING:
-    from geotlm_lm.backbone.tokens import Backbone
+from geotlm_lm.simulation.simulate import SimulatedClip, simulate_series
+from geotlm_lm.training.folds import (
+    Fold,
+    Recipe,
+    leave_one_object_out,
+    object_folds,
+    standardise_fold,
+    train_on_fold,
+)
+from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
+from geotlm_lm.training.recording_forms import bin_means, truth_in_view
+from geotlm_lm.training.truth import counts_motion
 
 ABOUT = """\
 *Ours* are simulated clips of everyday objects that no weight of the backbone was trained on;
@@ -63,6 +74,12 @@ DEALT: dict[str, Callable[[Sequence[str], int], list[Fold]]] = {
 """How clips are dealt into folds of three parts, no object in two of them."""
 
 TASKS = ("rotation", "sliding")
+
+ORDERS = {FRAME_COUNT: (0, 1, 2, 3), 2: (0, 0, 3, 3)}
+"""Frames the backbone is given: all of them, or the first and the last, fed as a, a, b, b."""
+
+ENCODE_BATCH = 8
+"""Clips held in memory as pictures."""
 
 FLOW = "optical flow + rigid fit"
 CURL = "Curl + LR"
@@ -97,6 +114,108 @@ Outcome = tuple[Sequence[Motion], int]
 """The motion that a method named for each test clip, and how many numbers it trained."""
 
 
+@dataclass(frozen=True, eq=False)
+class TaskClips:
+    """One task's clips as tokens (by the number of frames), with their objects and motions.
+
+    `flow` is the motions that optical flow and a rigid fit name, `curl` its features, (n, 5).
+    """
+
+    data: dict[int, TokenSet]
+    objects: tuple[str, ...]
+    truths: Sequence[Motion]
+    flow: Sequence[Motion]
+    curl: NDArray[np.float32]
+
+
+def task_clips(
+    backbone: Backbone, task: str, objects: Sequence[str], count: int, seed: int, progress: Progress
+) -> TaskClips:
+    """Simulate and encode `count` readable clips of each object in a task, batch by batch.
+
+    Raises:
+        UsageError: If the simulator finds too few readable clips, or tokens are too large for half
+            precision.
+    """
+    columns: dict[str, list[NDArray]] = {}
+    for done, name in enumerate(objects):
+        progress(f"paper's protocols, {task}: objects encoded", done, len(objects))
+        for batch in _batches(task, name, count, seed):
+            for key, values in _arrays(backbone, batch, task).items():
+                columns.setdefault(key, []).append(values)
+    arrays = {key: np.concatenate(values) for key, values in columns.items()}
+    data = {frames: _token_set(arrays, frames) for frames in ORDERS}
+    names = tuple(name for name in objects for _ in range(count))
+    truths, flow = ([ALL_MOTIONS[index] for index in arrays[key]] for key in ("motion", "flow"))
+    return TaskClips(data, names, truths, flow, arrays["curl"])
+
+
+def _batches(task: str, name: str, count: int, seed: int) -> Iterator[list[SimulatedClip]]:
+    """Yield an object's readable clips, so many at a time as are held in memory."""
+    most, motions = cases.MOST_TRIES * count, cases.TASKS[task]
+    seed = seed_for(seed, "protocols", task, name)
+    series = simulate_series(seed, most, objects=(name,), motions=motions)
+    readable = islice((made for made in series if made.label.is_readable), count)
+    yielded = 0
+    while batch := list(islice(readable, ENCODE_BATCH)):
+        yielded += len(batch)
+        yield batch
+    if yielded < count:
+        raise UsageError(
+            f"{name}: {yielded} readable clips of {task} among {most} simulated ones, expected "
+            f"{count}; ask for more clips, or leave the object out."
+        )
+
+
+def _arrays(backbone: Backbone, batch: Sequence[SimulatedClip], task: str) -> dict[str, NDArray]:
+    clips, flow, among = [made.clip for made in batch], RigidFlow(), cases.TASKS[task]
+    arrays = {
+        "motion": np.array([ALL_MOTIONS.index(made.label.motion) for made in batch]),
+        "counts_motion": np.array([counts_motion(made.label) for made in batch]),
+        "flow": np.array([ALL_MOTIONS.index(flow.predict(clip, among)) for clip in clips]),
+        "curl": np.stack([curl_features(clip) for clip in clips]),
+    }
+    for frames, order in ORDERS.items():
+        tokens = backbone.encode([clip.select(order) for clip in clips])
+        patches = tokens.patches.half()
+        if not bool(torch.isfinite(patches).all() and torch.isfinite(tokens.global_token).all()):
+            raise UsageError(
+                f"tokens up to {float(tokens.patches.abs().max()):.3g} were found, expected below "
+                f"65504; the weights are not those of a trained encoder."
+            )
+        own = {"global": tokens.global_token.numpy(), "patches": patches.numpy()}
+        own |= _truth(tokens, batch, order)
+        arrays |= {f"{key}_{frames}": values for key, values in own.items()}
+    return arrays
+
+
+def _truth(
+    tokens: Tokens, batch: Sequence[SimulatedClip], order: Sequence[int]
+) -> dict[str, NDArray]:
+    """Return true shear change and contact on the tokens' grid; nothing where it is another one."""
+    if tokens.patches.shape[2:4] != (GRID_SIDE, GRID_SIDE) or None in tokens.views:
+        return {}
+    changes, contacts = [], []
+    for view, made in zip(tokens.views, batch, strict=True):
+        moved, contact, _ = (bin_means(values[list(order)]) for values in truth_in_view(view, made))
+        changes.append(moved[1] - moved[0])
+        contacts.append(contact.mean(axis=0))
+    truth = {"shear_change": np.stack(changes), "contact": np.stack(contacts)}
+    return {key: values.astype(np.float32) for key, values in truth.items()}
+
+
+def _token_set(arrays: dict[str, NDArray], frames: int) -> TokenSet:
+    tensors = {key: torch.from_numpy(values) for key, values in arrays.items()}
+    return TokenSet(
+        tokens=Tokens(tensors[f"global_{frames}"], tensors[f"patches_{frames}"]),
+        shear_change=tensors.get(f"shear_change_{frames}"),
+        contact=tensors.get(f"contact_{frames}"),
+        motions=tensors["motion"],
+        is_readable=torch.ones(len(tensors["motion"]), dtype=torch.bool),
+        counts_motion=tensors["counts_motion"],
+    )
+
+
 def methods_of(task: str, has_truth: bool) -> tuple[str, ...]:
     """Return the methods of a task: the curl tells turns only, the grounded one needs the truth."""
     left_out = [CURL] * (task != "rotation") + [GROUNDED] * (not has_truth)
@@ -104,22 +223,22 @@ def methods_of(task: str, has_truth: bool) -> tuple[str, ...]:
 
 
 def run_fold(
-    clips: TaskClips, task: str, fold: Fold, *, epochs: int, seed: int
+    clips: TaskClips, task: str, fold: Fold, methods: Sequence[str], *, epochs: int, seed: int
 ) -> dict[str, Outcome]:
-    """Return what every method of a task came to on one fold."""
-    labels, found = simulated.TASKS[task], {}
+    """Return the outcome of every method of a task on one fold."""
+    labels, outcomes = cases.TASKS[task], {}
     standardised = {frames: standardise_fold(data, fold) for frames, data in clips.data.items()}
-    for name in methods_of(task, clips.has_truth):
+    for name in methods:
         if name == FLOW:  # named when the clip was at hand; nothing is trained
-            found[name] = [clips.flow[row] for row in fold.test], 0
+            outcomes[name] = [clips.flow[row] for row in fold.test], 0
         elif name == CURL:
-            found[name] = _curl(clips, fold, labels)
+            outcomes[name] = _curl(clips, fold, labels)
         else:
             recipe, frames = TRAINED[name]
             data = standardised[frames]
             trained = train_on_fold(data, labels, recipe, epochs=epochs, seed=seed)
-            found[name] = trained.predictions, trained.parameters
-    return found
+            outcomes[name] = trained.predictions, trained.parameters
+    return outcomes
 
 
 def _curl(clips: TaskClips, fold: Fold, labels: tuple[Motion, ...]) -> Outcome:
@@ -135,7 +254,7 @@ def _curl(clips: TaskClips, fold: Fold, labels: tuple[Motion, ...]) -> Outcome:
 def fold_scores(
     clips: TaskClips, folds: Sequence[Fold], named: Sequence[Sequence[Motion]]
 ) -> tuple[NDArray[np.bool_], float, dict[str, Any]]:
-    """Return what the paper's tables show of one method: what it named is given fold by fold.
+    """Return what the paper's tables show of the motions that one method named, fold by fold.
 
     That is whether each clip was named right, the accuracy as mean over folds, `sd` (n - 1) of it,
     and `recall`, of each class the mean over the folds that hold it.
@@ -143,7 +262,7 @@ def fold_scores(
     right, recalls = np.zeros(len(clips.truths), dtype=bool), defaultdict(list)
     for fold, motions in zip(folds, named, strict=True):
         truths = [clips.truths[row] for row in fold.test]
-        right[fold.test] = [true == one for true, one in zip(truths, motions, strict=True)]
+        right[fold.test] = [true == own for true, own in zip(truths, motions, strict=True)]
         for name, share in mean_by_group(right[fold.test], truths).items():
             recalls[str(name)].append(share)
     shares = [float(right[fold.test].mean()) for fold in folds]
@@ -152,20 +271,13 @@ def fold_scores(
 
 
 def protocol_rows(run: Run) -> list[Row]:
-    """Return the rows of both tasks and protocols, and the published ones.
-
-    Raises:
-        UsageError: If the simulator finds too few readable clips.
-    """
-    if run.is_quick or run.answerer_given is not None:
-        found = [task_rows(task, run) for task in TASKS]
-    else:  # Spawned, not forked: torch's threads do not survive a fork.
-        context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(len(TASKS), mp_context=context) as pool:
-            asked = replace(run, progress=silent)
-            found = list(pool.map(task_rows, TASKS, [asked] * len(TASKS)))
-    rows = [(*own, *published_rows(task)) for task, own in zip(TASKS, found, strict=True)]
-    return [row for own in rows for row in own]
+    """Return the rows of both tasks and protocols, and the published ones."""
+    # A model that was given is one object of this process; a quick run is not worth two starts.
+    is_here = run.is_quick or run.answerer_given is not None
+    workers = ALONE if is_here else Workers(len(TASKS))
+    asked = run if is_here else replace(run, progress=silent)
+    by_task = dict(workers.map(partial(task_rows, run=asked), TASKS))
+    return [row for task in TASKS for row in (*by_task[task], *published_rows(task))]
 
 
 def task_rows(task: str, run: Run) -> list[Row]:
@@ -179,13 +291,13 @@ def task_rows(task: str, run: Run) -> list[Row]:
 
 def _rows(run: Run, task: str, protocol: str, clips: TaskClips) -> Iterator[Row]:
     case, seed, outcomes = f"{task}, {protocol}", SEED + run.seed, []
-    folds = DEALT[protocol](clips.objects, seed)
+    methods = methods_of(task, clips.data[FRAME_COUNT].contact is not None)
+    folds, epochs = DEALT[protocol](clips.objects, seed), run.size(EPOCHS, 1)
     for number, fold in enumerate(folds):
         run.progress(f"paper's protocols, {case}: folds", number, len(folds))
-        epochs = run.size(EPOCHS, 1)
-        outcomes.append(run_fold(clips, task, fold, epochs=epochs, seed=seed + number))
-    for name in methods_of(task, clips.has_truth):
-        right, mean, detail = fold_scores(clips, folds, [one[name][0] for one in outcomes])
+        outcomes.append(run_fold(clips, task, fold, methods, epochs=epochs, seed=seed + number))
+    for name in methods:
+        right, mean, detail = fold_scores(clips, folds, [own[name][0] for own in outcomes])
         detail["parameters"] = outcomes[0][name][1]
         yield replace(share_row(case, name, right, clips.objects), error=1 - mean, detail=detail)
 
@@ -212,20 +324,18 @@ def published_rows(task: str) -> Iterator[Row]:
                 yield Row(f"{task}, published: {data}", name, 0, 1 - mean, detail=detail)
 
 
-def _mean(row: Row) -> str:
-    return f"{row.right:.3f} ± {row.detail['sd']:.3f}"
-
-
 def _recall(row: Row) -> str:
     recall = row.detail["recall"]
-    return ", ".join(f"{one.value} {recall[one]:.3f}" for one in Motion if one in recall) or "-"
+    return ", ".join(f"{way.value} {recall[way]:.3f}" for way in Motion if way in recall) or "-"
 
 
 def _of(methods: Sequence[str], task: str = "") -> Callable[[Row], bool]:
     return lambda row: row.variant in methods and row.case.startswith(task)
 
 
-_BY_METHOD = Pivot(_mean, "task and clips", with_count=False)
+_BY_METHOD = Pivot(
+    lambda row: f"{row.right:.3f} ± {row.detail['sd']:.3f}", "task and clips", with_count=False
+)
 
 _TOGETHER = {
     "clips": lambda row: row.case,

@@ -1,42 +1,73 @@
-"""Every question type asked about simulated and real clips.
+"""Questions: every type asked about simulated and real clips, and whether they are understood.
 
-Answers come from `Answerer.ask`, as a user gets them, and are graded by truths
-that `question_truths` works out apart from the rules that answer.
+The truth is worked out from labels and frames alone, apart from the rules that answer by them, so
+that a wrong rule is a wrong answer.
 """
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from geotlm_lm.answering import Answer, Answerer, Encoded
 from geotlm_lm.answering.evidence_of import recording_of
-from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
-from geotlm_lm.benchmarks.halves import by_half, recordings_by_half, titled
-from geotlm_lm.benchmarks.question_truths import is_right, truth_of
+from geotlm_lm.benchmarks.cases import by_half, recordings_by_half, simulated_clips, titled
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
+from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
-from geotlm_lm.benchmarks.rows import Listing, Pivot, Row, Run, Section
-from geotlm_lm.benchmarks.statistics import share_row
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import EDIT_WORDS, MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.labels import (
+    DIRECTED,
+    SLIDES,
+    Motion,
+    MotionLabel,
+    motion_class,
+)
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.questions import QuestionAnswer, askable_types, questions_for
 from geotlm_lm.data.templates import load_templates
-from geotlm_lm.training.calibration_error import expected_calibration_error
+from geotlm_lm.language.parse_answer import Slots
+from geotlm_lm.query.grammar import Pair, corpus, grammar
+from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
+from geotlm_lm.query.text import read
+from geotlm_lm.query.types import THREAD_ATOMS, Part
+from geotlm_lm.training.calibration import expected_calibration_error
 
-ABOUT = """\
+QUESTIONS_ABOUT = """\
 Each clip is asked one question of every type through the same door a user takes. *Words* are graded
 by what they decide and claim, in the frame they are told in; refusals of what can be answered are
 wrong. *Unseen wordings* were kept from training. Intervals resample whole objects."""
 
+READING_ABOUT = """\
+Each question is read into a query by the language model. *Exact* is every word of the query,
+numbers included, but for the order of facts; *kind* is what sort of thing is asked. Families of
+phrasing, and their clauses, were kept from training; the *blind* questions, and the *set-ups* that
+state one to five facts in several sentences, were written by people who had seen no template and no
+rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
+were chosen and calibrated by."""
+
+DECLINED = ("refusal", "comparison")
+"""Kinds that one clip cannot answer."""
+
+OF_A_RECORDING = ("when", "how-long", "how-often", "unanswerable")
+"""What a question with a premise may ask that four frames cannot tell; nothing is claimed then."""
+
+AT_REST = (Motion.STILL, Motion.NONE)
+
+OTHER_FRAME = {"viewpoint": {"viewpoint": "object"}, "actor": {"actor": "sensor"}}
+"""Kinds that are told in another frame, and in which."""
+
 CLIPS, WINDOWS = 120, 25
 WORDS, UNSEEN = "words", "unseen wordings"
-METHODS = (WORDS, UNSEEN)
 
 DIRECTIONS = ("T1", "T2", "T3", "T4", "T11", "T12", "T14", "T15", "T18", "T21")
 """Types whose answer names a direction."""
@@ -46,10 +77,146 @@ AMOUNTS, THREAD = ("T7", "T8"), "T13"
 SIDES, THREADS = ("head", "shank", "side", None), ("right", "left", None)
 """What is known of a thread."""
 
+EXACT, KIND = "exact query", "kind of ask"
+SURE, PAIRS, SEEN_PAIRS = 0.8, 2000, 40_000
+
+EACH = 20
+"""Questions read of each ask from each point of view, at most."""
+
+PLAIN, SEVERAL = "as it is", "several"
+VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
+"""Points of view that something is asked from."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The right answer to a question of a kind, as its template calls it.
+
+    `decided` is the deciding word, or the kind of motion; `direction` the motion from the point of
+    view asked for (None: any); `is_so` whether a claim holds; `unit` "deg", "px", "deg/s" or
+    "px/s", of a speed over `seconds`.
+    """
+
+    kind: str
+    decided: str | None = None
+    direction: Motion | None = None
+    is_so: bool | None = None
+    abstains: bool = False
+    amount: float | None = None
+    unit: str | None = None
+    seconds: float = 1.0
+
+
+def truth_of(
+    asked: QuestionAnswer, motion: Motion, frame: FrameSpec, *, seconds: float | None = 1.0
+) -> Truth:
+    """Return the right answer to `asked` about a clip of `motion`, as `frame` sees it.
+
+    The question's own answer gives claim, options and amount; a speed needs a clip that is timed.
+    """
+    kind, way = asked.slots.kind, frame.edit.of_way(motion)
+    if kind in ("verify", "negation"):
+        return Truth(kind, direction=way, is_so=way == claim_of(asked))
+    if kind == "choice":
+        letter = {option.direction: option.letter for option in _options(asked)}.get(way)
+        return Truth(kind, letter, way)
+    if kind == "class":
+        return Truth(kind, motion_class(motion).value)
+    if kind in ("contact", "moving"):
+        at_rest = (Motion.NONE,) if kind == "contact" else AT_REST
+        return Truth(kind, is_so=motion not in at_rest)
+    if kind in ("magnitude", "rate"):
+        return _amount_truth(asked, motion, seconds)
+    if kind in DECLINED:
+        return Truth(kind, abstains=True)
+    if kind == "thread":
+        return _thread_truth(motion, frame)
+    changed = {"mirrored": MIRRORED.of_way, "reversed": opposite, "undo": opposite}.get(kind)
+    frame = replace(frame, **OTHER_FRAME.get(kind, {}))
+    way = frame.edit.of_way(changed(motion) if changed else motion)
+    return Truth(kind, direction=way)
+
+
+def _amount_truth(asked: QuestionAnswer, motion: Motion, seconds: float | None) -> Truth:
+    kind, unit = asked.slots.kind, asked.slots.unit
+    if motion in AT_REST:
+        return Truth(kind, direction=motion)
+    if kind == "rate" and seconds is None:
+        return Truth(kind, abstains=True)
+    if motion not in DIRECTED:  # how deep a press goes, no label tells
+        return Truth(kind, direction=motion)
+    if kind == "magnitude":
+        return Truth(kind, amount=asked.amount, unit=unit)
+    return Truth(kind, amount=asked.amount, unit=f"{unit}/s", seconds=seconds)
+
+
+def _thread_truth(motion: Motion, frame: FrameSpec) -> Truth:
+    way, tightens = frame.edit.of_way(motion), frame.tightens(motion)
+    if motion not in DIRECTED or (motion in SLIDES and frame.contact_side != "side"):
+        return Truth("thread", "neither", way)
+    if tightens is None:
+        return Truth("thread", abstains=True)
+    return Truth("thread", "tighten" if tightens else "loosen", way)
+
+
+def is_right(answer: Answer, truth: Truth) -> bool:
+    """Whether `answer` decides and claims what it should; an amount within its tolerance."""
+    if truth.kind == "premise" and answer.kind in OF_A_RECORDING:
+        return answer.abstained
+    if truth.kind == "order" and answer.abstained:  # one clip shows no order, but a motion
+        return True
+    if answer.abstained != truth.abstains:
+        return False
+    if truth.abstains:
+        return True
+    if truth.amount is not None:
+        amount, unit = answer.amount, truth.unit.removesuffix("/s")
+        if amount is None or amount.unit != truth.unit:
+            return False
+        return within_tolerance(amount.value * truth.seconds, truth.amount, unit)
+    if truth.kind == "class":
+        claimed = answer.direction
+        return claimed is not None and motion_class(claimed).value == truth.decided
+    if truth.direction not in (None, answer.direction):
+        return False
+    if truth.kind == "thread":
+        return _is_right_of_thread(answer, truth.decided)
+    if truth.is_so is not None:
+        return answer.decided == ("yes" if truth.is_so != _denies(answer) else "no")
+    return truth.decided in (None, answer.decided)
+
+
+def _denies(answer: Answer) -> bool:
+    """Whether an answer's yes is to the contrary of what was claimed: "is it not turning?"."""
+    proposition = answer.resumed.parts[0].ask.proposition
+    return proposition is not None and proposition.denies
+
+
+def _is_right_of_thread(answer: Answer, truth: str) -> bool:
+    """Whether a thread was judged right: asked openly, or whether it tightens."""
+    proposition = answer.resumed.parts[0].ask.proposition
+    if proposition is None:
+        decided = answer.decided or ""
+        is_named = decided.startswith(THREAD_ATOMS)
+        return not is_named if truth == "neither" else decided.startswith(truth)
+    holds = (proposition.literals[0].atom == truth) != _denies(answer)
+    return answer.decided == ("yes" if holds else "no")
+
+
+def claim_of(asked: QuestionAnswer) -> Motion:
+    """Return the motion that a question claims."""
+    is_true = asked.slots.kind != "negation"
+    return next(option.direction for option in _options(asked) if option.verdict == is_true)
+
+
+def _options(asked: QuestionAnswer) -> list[Slots]:
+    answers = load_templates().types[asked.type_id].answers
+    return [answers[sentence] for sentence in asked.options]
+
 
 @dataclass(frozen=True)
 class Asked:
-    """A question's type, whether each method that could was right, and its unit of resampling.
+    """A question's type, whether each method was right, and its unit of resampling.
 
     `stated` is the probability that the words state; None of what is to be declined, or undecided.
     """
@@ -61,12 +228,8 @@ class Asked:
 
 
 def question_rows(run: Run) -> Iterator[Row]:
-    """Yield the rows of every set of clips, simulated and real apart.
-
-    Raises:
-        UnreadableClip: If the recordings cannot be read.
-    """
-    simulated = SimulatedCases("all", run.size(CLIPS, 3), run.seed).made()
+    """Yield the rows of every set of clips, simulated and real apart."""
+    simulated = simulated_clips("all", run.size(CLIPS, 3), run.seed)
     sets = {"simulated": ((made.clip, made.label, made.object_name) for made in simulated)}
     for name, half, real in recordings_by_half(run.real):
         sets[titled(f"real {name}", half)] = _windows(real, run.size(WINDOWS, 2))
@@ -75,8 +238,11 @@ def question_rows(run: Run) -> Iterator[Row]:
         asked: list[Asked] = []
         for index, (clip, label, family) in enumerate(clips):
             rng = generator_for(run.seed, "language", index)
-            found = ask_every_type(run.answerer, run.answerer.encode(clip), label, rng)
-            asked += [replace(one, family=family) for one in found]
+            encoded = run.answerer.encode(clip)
+            for type_id in askable_types(label):
+                if type_id not in AMOUNTS or label.mm_per_px is not None:
+                    result = _ask_type(run.answerer, encoded, label, type_id, rng)
+                    asked.append(replace(result, family=family))
         yield from type_rows(title, asked, run.seed)
 
 
@@ -89,19 +255,10 @@ def _windows(recordings: LabelledRecordings, count: int) -> Iterator[tuple[Clip,
         yield window.clip, MotionLabel(window.motion), window.row.object_family
 
 
-def ask_every_type(
-    answerer: Answerer, encoded: Encoded, label: MotionLabel, rng: np.random.Generator
-) -> Iterator[Asked]:
-    """Yield one question of every type about a clip, in seen and in unseen wordings."""
-    for type_id in askable_types(label):
-        if type_id not in AMOUNTS or label.mm_per_px is not None:
-            yield _ask_type(answerer, encoded, label, type_id, rng)
-
-
 def _ask_type(
     answerer: Answerer, encoded: Encoded, label: MotionLabel, type_id: str, rng: np.random.Generator
 ) -> Asked:
-    """Return what became of one type."""
+    """Ask a question of a type in a seen and in an unseen wording."""
     frame = FrameSpec()
     if type_id == THREAD:
         side = SIDES[int(rng.integers(len(SIDES)))]
@@ -112,45 +269,106 @@ def _ask_type(
     )
     motion, seconds = label.motion, recording_of(encoded).seconds
 
-    def graded(question: QuestionAnswer) -> tuple[Answer, bool]:
+    def graded(question: QuestionAnswer) -> tuple[Answer, Truth, bool]:
         answer = answerer.ask(encoded, question.question, frame=frame)
-        return answer, is_right(answer, truth_of(question, motion, frame, seconds=seconds))
+        truth = truth_of(question, motion, frame, seconds=seconds)
+        return answer, truth, is_right(answer, truth)
 
-    truth = truth_of(asked, motion, frame, seconds=seconds)
-    answer, is_answer_right = graded(asked)
-    right = {WORDS: is_answer_right, UNSEEN: graded(unseen)[1]}
+    answer, truth, is_answer_right = graded(asked)
+    right = {WORDS: is_answer_right, UNSEEN: graded(unseen)[2]}
     stated = None if truth.abstains or answer.decided is None else answer.confidence
     return Asked(type_id, right, stated)
 
 
 def type_rows(title: str, asked: Sequence[Asked], seed: int) -> Iterator[Row]:
     """Yield, of each type and of types pooled, one row for each method that has an answer."""
-    kinds = {one: type_.kind for one, type_ in load_templates().types.items()}
-    types = sorted({one.type_id for one in asked}, key=lambda one: int(one.removeprefix("T")))
-    pools = {f"{one} {kinds[one]}": (one,) for one in types}
+    kinds = {name: type_.kind for name, type_ in load_templates().types.items()}
+    types = sorted({x.type_id for x in asked}, key=lambda name: int(name.removeprefix("T")))
+    pools = {f"{name} {kinds[name]}": (name,) for name in types}
     for name, pool in (pools | {"all directions": DIRECTIONS, "all types": types}).items():
-        own = [one for one in asked if one.type_id in pool]
-        for method in METHODS:
-            answered = [one for one in own if method in one.right]
+        own = [x for x in asked if x.type_id in pool]
+        for method in (WORDS, UNSEEN):
+            answered = [x for x in own if method in x.right]
             if answered:
-                right = [one.right[method] for one in answered]
-                families = [one.family for one in answered]
+                right = [x.right[method] for x in answered]
+                families = [x.family for x in answered]
                 detail = calibration(own) if method == WORDS else {}
                 yield share_row(f"{title}, {name}", method, right, families, seed, detail=detail)
 
 
 def calibration(asked: Sequence[Asked]) -> dict[str, Any]:
     """Return whether stated probabilities come true; nothing where none is stated."""
-    stated = [one for one in asked if one.stated is not None]
+    stated = [x for x in asked if x.stated is not None]
     if not stated:
         return {}
-    confidence = np.array([one.stated for one in stated])
-    right = np.array([one.right[WORDS] for one in stated])
+    confidence = np.array([x.stated for x in stated])
+    right = np.array([x.right[WORDS] for x in stated])
     return {
         "stated": len(stated),
         "mean_stated": float(confidence.mean()),
         "right_of_stated": float(right.mean()),
         "calibration_error": expected_calibration_error(confidence, right),
+    }
+
+
+def _reading_rows(run: Run) -> Iterator[Row]:
+    some, pairs = run.size(10_000, 40), grammar().pairs(run.seed, "test")
+    sets = {
+        "grammar, families held out": _labelled(islice(pairs, run.size(PAIRS, 60))),
+        "corpus, families held out": _labelled(corpus("test")),
+        "blind": labelled(BLIND)[:some],
+        "set-ups": labelled(SET_UPS)[:some],
+        "tune": labelled(TUNE)[:some],
+    }
+    for name, questions in sets.items():
+        run.progress(f"reading, {name}", 0, 1)
+        readings = [run.answerer.bundle.reader.read(question.text) for question in questions]
+        exact = [q.is_met(r.line) for q, r in zip(questions, readings, strict=True)]
+        kinds = [q.has_kinds(r.line) for q, r in zip(questions, readings, strict=True)]
+        families = [str(place) for place in range(len(questions))]
+        detail = _doubt(np.array([r.probability for r in readings]), np.array(exact))
+        yield share_row(name, EXACT, exact, families, run.seed, detail=detail)
+        yield share_row(name, KIND, kinds, families, run.seed)
+    yield from _seen_rows(run)
+
+
+def _seen_rows(run: Run) -> Iterator[Row]:
+    """Yield what is read of families that were trained on, by ask and point of view."""
+    cells: dict[tuple[str, str], list[Pair]] = defaultdict(list)
+    for pair in islice(grammar().pairs(run.seed + 1, "train"), run.size(SEEN_PAIRS, 500)):
+        cell = cells[cell_of(read(pair.query).parts)]
+        if len(cell) < run.size(EACH, 1):
+            cell.append(pair)
+    reader = run.answerer.bundle.reader
+    for ask in sorted({ask for ask, _ in cells}):
+        run.progress(f"reading, seen families, {ask}", 0, 1)
+        for view in VIEWS:
+            questions = _labelled(cells.get((ask, view), ()))
+            exact = [question.is_met(reader.read(question.text).line) for question in questions]
+            if exact:
+                yield Row(ask, view, len(exact), 1 - sum(exact) / len(exact))
+
+
+def cell_of(parts: Sequence[Part]) -> tuple[str, str]:
+    """Return what the first part of a query asks ("fact": nothing), and from which of `VIEWS`."""
+    if not parts:
+        return "fact", PLAIN
+    edits = parts[0].edit.words
+    view = edits[0] if len(edits) == 1 else SEVERAL if edits else PLAIN
+    return parts[0].ask.kind, view
+
+
+def _labelled(pairs: Iterator[Pair] | Sequence[Pair]) -> list[Labelled]:
+    return [Labelled(pair.text, (pair.query,)) for pair in pairs]
+
+
+def _doubt(sure: np.ndarray, exact: np.ndarray) -> dict[str, float]:
+    is_sure = sure >= SURE
+    return {
+        "mean_stated": float(sure.mean()),
+        "calibration_error": expected_calibration_error(sure, exact),
+        "sure": float(is_sure.mean()),
+        "sure_and_wrong": float((is_sure & ~exact).sum() / max(is_sure.sum(), 1)),
     }
 
 
@@ -166,11 +384,36 @@ _CALIBRATION = {
     "calibration error": _detail("calibration_error"),
 }
 
+_DOUBT = {
+    "questions": lambda row: row.case,
+    "read": lambda row: str(row.count),
+    "right": lambda row: f"{1 - row.error:.3f}",
+    "mean stated": _detail("mean_stated"),
+    "calibration error": _detail("calibration_error"),
+    "read with 0.8 or more": _detail("sure"),
+    "wrong of these": _detail("sure_and_wrong"),
+}
+
 QUESTIONS = Section(
     name="questions",
     title="Every question type",
-    about=ABOUT,
+    about=QUESTIONS_ABOUT,
     run=question_rows,
     views=by_half(Pivot(right_with_interval, "question"))
     | {"Stated probability": (Listing(_CALIBRATION), lambda row: "stated" in row.detail)},
+)
+
+READING = Section(
+    name="reading",
+    title="Understanding",
+    about=READING_ABOUT,
+    run=_reading_rows,
+    views={
+        "": (Pivot(right_with_interval, "questions"), lambda row: row.variant in (EXACT, KIND)),
+        "Families that were trained on, by ask and point of view": (
+            Pivot(lambda row: f"{row.right:.2f} ({row.count})", "ask", with_count=False),
+            lambda row: row.variant in VIEWS,
+        ),
+        "Doubt": (Listing(_DOUBT), lambda row: row.variant == EXACT),
+    },
 )

@@ -9,13 +9,13 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.rows import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
-from geotlm_lm.core.atomic import replacing, write_text_atomically
+from geotlm_lm.benchmarks.harness import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.core.record import RunRecord
 
 RECORDS = "records"
@@ -65,14 +65,14 @@ def table(view: Listing | Pivot, rows: Sequence[Row]) -> str:
             list(view.columns), [[cell(row) for cell in view.columns.values()] for row in rows]
         )
     variants = list(dict.fromkeys(row.variant for row in rows))
-    found: dict[str, dict[str, Row]] = {}
+    by_case: dict[str, dict[str, Row]] = {}
     for row in rows:
-        found.setdefault(row.case, {})[row.variant] = row
+        by_case.setdefault(row.case, {})[row.variant] = row
     lines = [
         [case]
         + [str(max(row.count for row in own.values()))] * view.with_count
         + [view.cell(own[name]) if name in own else "-" for name in variants]
-        for case, own in found.items()
+        for case, own in by_case.items()
     ]
     return markdown([view.corner] + ["n"] * view.with_count + variants, lines)
 
@@ -125,21 +125,15 @@ def save_results(bench: Bench, record: RunRecord, folder: Path) -> None:
     redraw_figures([bench], folder)
 
 
-def figure_path(folder: Path, bench: Bench, section: Section) -> Path:
-    """Return where the picture of a section lies."""
-    return folder / f"{bench.name}_{section.name}.png"
-
-
 def save_figure(figure: Any, rows: Sequence[Row], path: Path) -> None:
     """Write a matplotlib figure as PNG that tells which rows it shows, for `check_results`."""
     with replacing(path) as stream:
-        figure.savefig(stream, dpi=120, format="png", metadata={"Description": digest(rows)})
+        figure.savefig(stream, dpi=120, format="png", metadata={"Description": _digest(rows)})
 
 
-def digest(rows: Sequence[Row]) -> str:
-    """Return a digest of what rows say."""
-    told = json.dumps([row.to_dict() for row in rows], sort_keys=True)
-    return hashlib.sha256(told.encode()).hexdigest()[:16]
+def _digest(rows: Sequence[Row]) -> str:
+    text = json.dumps([row.to_dict() for row in rows], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def render_results(benches: Sequence[Bench], folder: Path, readme: Path) -> list[Path]:
@@ -159,7 +153,7 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
     """Compare pages, pictures and the README's blocks with the records.
 
     Raises:
-        StaleResults: If one says something else than its record.
+        StaleResults: If any of them says something else than its record.
     """
     for path, text in _wanted(benches, folder, readme).items():
         if _read(path) != text:
@@ -168,7 +162,7 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
                 f"`geotlm-lm bench render`."
             )
     for _, rows, path in _figures(benches, folder):
-        if _described(path) != digest(rows):
+        if _described(path) != _digest(rows):
             raise StaleResults(
                 f"{path}: is missing or shows other numbers than its record; run "
                 f"`geotlm-lm bench render --figures`."
@@ -188,32 +182,23 @@ def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Draw, lis
         for section in bench.sections if record else ():
             rows = rows_of(record, section.name)
             if section.figure is not None and rows:
-                yield section.figure, rows, figure_path(folder, bench, section)
+                yield section.figure, rows, folder / f"{bench.name}_{section.name}.png"
 
 
 def _wanted(benches: Sequence[Bench], folder: Path, readme: Path) -> dict[Path, str]:
-    records = {bench.name: _record(folder, bench.name) for bench in benches}
-    wanted = {
-        folder / f"{bench.name}.md": page(bench, record)
-        for bench in benches
-        if (record := records[bench.name]) is not None
-    }
+    """Return the text of every page and of the README by its path."""
+    wanted, headlines = {}, {}
+    for bench in benches:
+        record = _record(folder, bench.name)
+        if record is not None:
+            wanted[folder / f"{bench.name}.md"] = page(bench, record)
+        for section in bench.sections:
+            if section.headline is not None:
+                headlines[f"{bench.name}.{section.name}"] = record, section
     text = _read(readme)
     if text is None:
         raise StaleResults(f"{readme}: cannot be read; run from the checkout or give --readme.")
-    return wanted | {readme: _fill_blocks(text, records, benches)}
-
-
-def _fill_blocks(
-    text: str, records: Mapping[str, RunRecord | None], benches: Sequence[Bench]
-) -> str:
     parts, position = [], 0
-    headlines = {
-        f"{bench.name}.{section.name}": section.headline
-        for bench in benches
-        for section in bench.sections
-        if section.headline is not None
-    }
     for begin in _BEGIN.finditer(text):
         name, closing = begin[1], f"<!-- end: {begin[1]} -->"
         end = text.find(closing, begin.end())
@@ -223,27 +208,20 @@ def _fill_blocks(
             raise StaleResults(
                 f"block '{name}' is not known; expected one of {', '.join(headlines)}."
             )
-        bench, section = name.split(".")
-        record = records.get(bench)
-        rows = [] if record is None else rows_of(record, section)
-        if not rows:
-            raise StaleResults(
-                f"block '{name}' has no record; write it with `geotlm-lm bench {bench} --out "
-                f"docs/results`."
-            )
-        told = f"{headlines[name](rows)}\n\n{provenance(record, section)}"
-        parts += [text[position : begin.end()], "\n\n", told, "\n\n"]
+        block = _block(name, *headlines[name])
+        parts += [text[position : begin.end()], "\n\n", block, "\n\n"]
         position = end
-    return "".join([*parts, text[position:]])
+    return wanted | {readme: "".join([*parts, text[position:]])}
 
 
-def _record(folder: Path, name: str) -> RunRecord | None:
-    path = folder / RECORDS / f"{name}.json"
-    return RunRecord.load(path) if path.exists() else None
-
-
-def _read(path: Path) -> str | None:
-    return path.read_text(encoding="utf-8") if path.exists() else None
+def _block(name: str, record: RunRecord | None, section: Section) -> str:
+    rows = [] if record is None else rows_of(record, section.name)
+    if not rows:
+        raise StaleResults(
+            f"block '{name}' has no record; write it with `geotlm-lm bench {name.split('.')[0]} "
+            f"--out docs/results`."
+        )
+    return f"{section.headline(rows)}\n\n{provenance(record, section.name)}"
 
 
 def _described(path: Path) -> str | None:
@@ -253,3 +231,12 @@ def _described(path: Path) -> str | None:
 
     with Image.open(path) as picture:
         return picture.info.get("Description")
+
+
+def _record(folder: Path, name: str) -> RunRecord | None:
+    path = folder / RECORDS / f"{name}.json"
+    return RunRecord.load(path) if path.exists() else None
+
+
+def _read(path: Path) -> str | None:
+    return path.read_text(encoding="utf-8") if path.exists() else None

@@ -1,40 +1,40 @@
-"""The stability bench: damaged, extreme and stiff inputs, and how firm the numbers are."""
+"""The stability bench: damaged, extreme and stiff inputs, and how firm the numbers are.
+
+Failures are caught and counted, because a report of what goes wrong must not stop where it does.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+import tomllib
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
+from functools import partial
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
-from geotlm_lm.benchmarks.cases.stiff import RESIDUALS
-from geotlm_lm.benchmarks.numerics import numerics_rows
+import numpy as np
+import torch
+
+from geotlm_lm.answering import Answerer
+from geotlm_lm.benchmarks.cases import simulated_cases
+from geotlm_lm.benchmarks.damaged import LONG_FRAMES, damage_kinds, extreme_clips
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.judging import Case, clustered_interval
 from geotlm_lm.benchmarks.rendering import number, save_figure
-from geotlm_lm.benchmarks.rows import Bench, Listing, Pivot, Row, Section, every
-from geotlm_lm.benchmarks.stability_files import ENDS, file_rows
-from geotlm_lm.benchmarks.stability_rows import (
-    CRASHED,
-    OUTCOMES,
-    damage_rows,
-    extreme_rows,
-    scene_rows,
-)
-
-
-def failures_headline(rows: Sequence[Row]) -> str:
-    """Return what fails, by name: crashes, and answers that are wrong at 0.9 or more."""
-    return (
-        f"- crashed: {_named(rows, CRASHED)}\n"
-        f"- a wrong direction at 0.9 or more: {_named(rows, 'confident_false_directions')}\n"
-        f"- a touch or motion overlooked at 0.9 or more: {_named(rows, 'confident_oversights')}"
-    )
-
-
-def _named(rows: Sequence[Row], count: str) -> str:
-    """Return the 12 rows with most of what `count` counts, and of how many clips that is."""
-    found = [row for row in rows if row.detail.get(count)]
-    found.sort(key=lambda row: -row.detail[count] / row.count)
-    names = [f"{row.case}, {row.variant} {row.detail[count]}/{row.count}" for row in found]
-    return ", ".join(names[:12]) or "none"
-
+from geotlm_lm.benchmarks.variants import GENERATED, QUESTION
+from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.geometry import GRID_SIDE, REGIONS
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.dgr.regions import MASS_FLOOR, pool_regions, region_mass
+from geotlm_lm.simulation.contact import preset_named, solve_contact
+from geotlm_lm.simulation.profile import build_profile
+from geotlm_lm.simulation.scene import Body, Gel, Scene
+from geotlm_lm.simulation.scene import Path as BodyPath
+from geotlm_lm.simulation.simulate import simulate
 
 OUTCOMES_ABOUT = """\
 Every clip is asked which way it moves, and a row counts what became of that. *False directions*
@@ -48,54 +48,254 @@ damaged as well: by JPEG, a dim or drifting camera, or a fainter touch. {OUTCOME
 EXTREME_ABOUT = f"Where nothing can be told, only silence or a refusal is right. {OUTCOMES_ABOUT}"
 
 SCENES_ABOUT = """\
-What the contact solver makes of a scene in two number formats, and what the model says of its four
-frames. The error is how far single precision drags the surface elsewhere than double, um."""
+What the contact solver makes of a scene, by the preset that data sets are made with or what that
+escalates to, and what the model says of its four frames."""
 
 NUMERICS_ABOUT = """\
 As written, Eq. 5 shrinks a unit field under a faint mask; the exposed mass undoes that
 (*recovered*). A half without contact reads as a turn would, and *its mass*, 0, says so. By what the
-mask is the sigmoid of, which training changes, gradients stay bounded. Formats are held against
-float64, the descriptor's error in parts of its largest number; *geometry* is standardisation, DGR
-and probes."""
+mask is the sigmoid of, which training changes, gradients stay bounded."""
 
-FILES_ABOUT = "Every format that is read, damaged: each must be read or refused in one sentence."
+RIGHT, WRONG, ABSTAINED, REFUSED, CRASHED = "right", "wrong", "abstained", "refused", "crashed"
+OUTCOMES = (RIGHT, ABSTAINED, REFUSED, WRONG, CRASHED)
+"""What may become of a question, the gravest last."""
 
-Columns = dict[str, Callable[[Row], str]]
+CONFIDENT = 0.9
+"""A wrong answer at or above this probability is called confident."""
+
+CLIPS = 60
+"""Clips of every level of damage: six of each motion."""
+
+TOUCH_SHARE = 0.005
+"""Share of the view in contact from which a stiff scene counts as touched, as for labels."""
+
+MASKS = tuple(10.0**-power for power in range(13))
+"""Contact masks from full contact to 1e-12."""
+
+STIFF_CASES: dict[str, Mapping[str, Any]] = tomllib.loads(
+    Path(__file__).with_name("stiff_scenes.toml").read_text()
+)
+"""Scenes by what is unlike the base scene, options of `stiff_scene`; the base scene first."""
+
+RESIDUALS = ("penetration_um", "gradient_share", "cone_excess")
+"""What the solver reports of how far it is from a solution."""
 
 
-def _details(form: str, *names: str) -> Columns:
-    """Return columns of a row's detail, titled by their names; "-" where there is none."""
-    return {
-        name.replace("_", " "): lambda row, name=name: number(row.detail.get(name), form)
-        for name in names
+@dataclass(frozen=True)
+class Verdict:
+    """One of `OUTCOMES`, an answer's confidence, and the answer or the sentence of the refusal.
+
+    `family` is what is resampled as a whole.
+    """
+
+    outcome: str
+    confidence: float
+    text: str
+    motion: Motion | None = None
+    family: str = ""
+
+
+def damage_rows(run: Run) -> Iterator[Row]:
+    """Yield one row per kind of damage and level, over simulated clips of all ten motions."""
+    cases, kinds = first_cases(run, CLIPS, 2), damage_kinds()
+    for done, (name, kind) in enumerate(kinds.items()):
+        run.progress("damaged clips", done, len(kinds))
+        for level, damage in kind.items():
+            verdicts = []
+            for index, case in enumerate(cases):
+                rng = generator_for(run.seed, "damage", name, level.partition(" ")[0], index)
+                make = partial(damage, case.clip, rng)
+                verdicts.append(judge(run.answerer, make, {case.motion}, case.family))
+            yield row_of(name, verdicts, level)
+
+
+def _extreme_rows(run: Run) -> Iterator[Row]:
+    touch = next(case for case in first_cases(run, CLIPS, CLIPS) if case.motion in ROTATIONS)
+    long_frames = run.size(LONG_FRAMES, 1000)
+    extremes = extreme_clips(touch.clip, touch.motion, long_frames=long_frames)
+    for done, (name, extreme) in enumerate(extremes.items()):
+        run.progress("extreme recordings", done, len(extremes))
+        yield row_of(name, [judge(run.answerer, extreme.make, extreme.right)])
+
+
+def _scene_rows(run: Run) -> Iterator[Row]:
+    cases = dict(islice(STIFF_CASES.items(), run.size(len(STIFF_CASES), 4)))
+    for done, (name, case) in enumerate(cases.items()):
+        run.progress("stiff and extreme scenes", done, len(cases))
+        yield contact_row(name, case)
+        yield row_of(name, [judge_scene(run, case)])
+
+
+def first_cases(run: Run, whole: int, quick: int) -> list[Case]:
+    """Return the first of the same simulated clips, so that all sections ask about these."""
+    return list(islice(simulated_cases("all", CLIPS, run.seed), run.size(whole, quick)))
+
+
+def judge(
+    answerer: Answerer, make: Callable[[], Clip], right: Set[Motion], family: str = ""
+) -> Verdict:
+    """Ask for the motion of a clip that `make` returns, or refuses as a reader would.
+
+    With no motion that is `right`, only an abstention or a refusal is.
+    """
+    confidence, motion = 0.0, None
+    try:
+        answer = answerer.ask(answerer.encode(make()), QUESTION)
+        outcome, text = ABSTAINED, answer.text
+        if not answer.abstained:
+            outcome = RIGHT if answer.direction in right else WRONG
+            confidence, motion = answer.confidence, answer.direction
+    except GeoTLMError as error:
+        outcome, text = REFUSED, str(error)
+    except Exception as error:
+        outcome, text = CRASHED, f"{type(error).__name__}: {error}"
+    return Verdict(outcome, confidence, text, motion, family)
+
+
+def judge_scene(run: Run, case: Mapping[str, Any]) -> Verdict:
+    """Return what became of the question about a scene in four frames."""
+    try:
+        made = simulate([stiff_scene(4, **case)], seed=run.seed, preset="good")[0]
+    except ValueError as error:
+        return Verdict(REFUSED, 0.0, str(error))
+    except Exception as error:  # a defect of the simulator is a row like any other
+        return Verdict(CRASHED, 0.0, f"{type(error).__name__}: {error}")
+    right = {made.label.motion}
+    if made.contact.mean(axis=(1, 2)).max() < TOUCH_SHARE:
+        right = {Motion.NONE}
+    elif not made.label.is_readable:  # nothing moves, as far as the images show
+        right |= {Motion.STILL, Motion.NONE}
+    return judge(run.answerer, lambda: made.clip, right)
+
+
+def row_of(case: str, verdicts: Sequence[Verdict], variant: str = GENERATED) -> Row:
+    """Return how often each outcome came up, how surely, and the words of the gravest case.
+
+    The row's error is the share of wrong answers among those given; None where none was.
+    """
+    answered = [v for v in verdicts if v.outcome in (RIGHT, WRONG)]
+    is_wrong = np.array([v.outcome == WRONG for v in answered])
+    wrong = [v for v in answered if v.outcome == WRONG]
+    sure = [v for v in wrong if v.confidence >= CONFIDENT]
+    several = len(answered) > 1
+    return Row(
+        case,
+        variant,
+        count=len(verdicts),
+        error=len(wrong) / len(answered) if answered else None,
+        interval=clustered_interval(is_wrong, [v.family for v in answered]) if several else None,
+        outcome=max(verdicts, key=lambda v: (OUTCOMES.index(v.outcome), v.confidence)).text,
+        detail={name: sum(v.outcome == name for v in verdicts) for name in OUTCOMES}
+        | {
+            "probability": float(np.mean([v.confidence for v in answered])) if answered else None,
+            "false_directions": sum(v.motion in DIRECTED for v in wrong),
+            "confident_false_directions": sum(v.motion in DIRECTED for v in sure),
+            "confident_oversights": sum(v.motion not in DIRECTED for v in sure),
+        },
+    )
+
+
+def stiff_scene(
+    frames: int,
+    *,
+    body: str = "key",
+    size: float = 1.0,
+    depth_mm: float = 0.6,
+    turn_deg: float = 9.0,
+    x_mm: float = 0.0,
+    start_mm: float = 0.0,
+    **gel: float,
+) -> Scene:
+    """Return a body that is pressed in `depth_mm` and turns or travels along x, in some frames.
+
+    It begins `start_mm` from the view's middle; `gel` is what is unlike GelSight Mini's.
+
+    Raises:
+        ValueError: If the simulator refuses it.
+    """
+    shares = np.linspace(0, 1, frames).tolist()
+    path = BodyPath(
+        depth_mm=(depth_mm,) * frames,
+        x_mm=tuple(start_mm + x_mm * share for share in shares),
+        y_mm=(0.0,) * frames,
+        rotation_rad=tuple(math.radians(turn_deg) * share for share in shares),
+    )
+    motion = Motion.CLOCKWISE if turn_deg else Motion.RIGHT
+    return Scene(Body(body, size=size), path, motion, Gel(**gel))
+
+
+def contact_row(name: str, case: Mapping[str, Any]) -> Row:
+    """Return how a scene's contact was solved; catches nothing but a refusal."""
+    preset = preset_named("good")
+    try:
+        scene = stiff_scene(2, **case)
+    except ValueError as error:
+        return Row(name, "contact", outcome=f"refused: {error}")
+    contact = solve_contact(scene, build_profile(scene.body), preset, with_drift=True)
+    height, drift, status = contact.indentation_mm, contact.drift_mm, contact.status
+    outcome = "solved"
+    if status.preset != preset.name:
+        outcome = f"solved as {status.preset}, {str(height.dtype).removeprefix('torch.')}"
+    if not bool(torch.isfinite(height).all() and torch.isfinite(drift).all()):
+        outcome = "not finite"
+    elif not status.is_converged:
+        outcome = "not converged, and says so"
+    residuals = {residual: getattr(status, residual) for residual in RESIDUALS}
+    return Row(name, "contact", outcome=outcome, detail=residuals)
+
+
+def _numerics_rows(run: Run) -> Iterator[Row]:
+    yield from map(mask_row, MASKS)
+
+
+def mask_row(value: float) -> Row:
+    """Return what Eq. 5 and its gradients come to under a mask of `value` everywhere.
+
+    A unit field is pooled in float32; `recovered` undoes the floor by the exposed mass, and
+    `empty_half` is the difference of the halves where only the lower is touched. The gradients of
+    the descriptor's sum are by the mask, and by what that is the sigmoid of, in float64.
+    """
+    shape = (1, GRID_SIDE, GRID_SIDE)
+    field = torch.randn(shape, generator=torch.Generator().manual_seed(0), dtype=torch.float64)
+    whole, lower = torch.full(shape, value), torch.full(shape, value)
+    lower[:, : GRID_SIDE // 2] = 0
+    pooled, mass, half, half_mass = (
+        dict(zip(REGIONS, values[0].tolist(), strict=True))
+        for mask in (whole, lower)
+        for values in (pool_regions(torch.ones_like(mask), mask), region_mass(mask))
+    )
+    mask = torch.full_like(field, value).requires_grad_(True)
+    pool_regions(field, mask).sum().backward()
+    numbers = {
+        "pooled": pooled["global"],
+        # The sum of the mask is its mass times the cells.
+        "recovered": pooled["global"] * (1 + MASS_FLOOR / (mass["global"] * GRID_SIDE**2)),
+        "empty_half": half["upper_minus_lower"],
+        "its_mass": half_mass["upper_minus_lower"],
+        "by_mask": float(mask.grad.norm()),
+        "by_logit": float(mask.grad.norm()) * value * (1 - value),  # d sigmoid / d logit
     }
+    return Row(f"contact {value:.0e}", "-", detail=numbers)
 
 
-def _plain(row: Row) -> str:
-    return " ".join(row.outcome.replace("|", "/").split())  # a bar would end the cell
+def failures_headline(rows: Sequence[Row]) -> str:
+    """Return what fails, by name: crashes, and answers that are wrong at 0.9 or more."""
+    return (
+        f"- crashed: {_named(rows, CRASHED)}\n"
+        f"- a wrong direction at 0.9 or more: {_named(rows, 'confident_false_directions')}\n"
+        f"- a touch or motion overlooked at 0.9 or more: {_named(rows, 'confident_oversights')}"
+    )
 
 
-def _wrong(row: Row) -> str:
-    low_high = f" ({row.interval[0]:.2f}-{row.interval[1]:.2f})" if row.interval else ""
-    return number(row.error, ".2f") + low_high
+def _named(rows: Sequence[Row], count: str) -> str:
+    """Return the 12 rows with most of what `count` counts, and of how many clips that is."""
+    counted = [row for row in rows if row.detail.get(count)]
+    counted.sort(key=lambda row: -row.detail[count] / row.count)
+    names = [f"{row.case}, {row.variant} {row.detail[count]}/{row.count}" for row in counted]
+    return ", ".join(names[:12]) or "none"
 
 
-def _listing(case: str, variant: str, *columns: Columns) -> Listing:
-    shown: Columns = {case: lambda row: row.case, variant: lambda row: row.variant}
-    shown["n"] = lambda row: str(row.count)
-    return Listing({title: cell for some in (shown, *columns) for title, cell in some.items()})
-
-
-_COUNTS, _WRONG = _details("d", *OUTCOMES, "false_directions"), {"wrong of answers": _wrong}
-_PROBABILITY, _QUOTED = _details(".2f", "probability"), {"says": _plain}
-_CONTACT = _details(".1e", "pooled", "recovered", "empty_half", "its_mass", "by_mask", "by_logit")
-_ERROR: Columns = {"error": lambda row: number(row.error, ".0e")}
-_RESIDUALS = _details(".1e", *RESIDUALS)
-_RIGHT = _details("d", "right", "answers_changed")
-
-
-def draw_damage(rows: Sequence[Row], path: Path) -> None:
-    """Draw, for each kind of damage, accuracy, stated probability and refusals over its levels."""
+def _draw_damage(rows: Sequence[Row], path: Path) -> None:
     from matplotlib.figure import Figure
 
     kinds = {name: [row for row in rows if row.case == name] for name in (r.case for r in rows)}
@@ -118,54 +318,77 @@ def draw_damage(rows: Sequence[Row], path: Path) -> None:
     save_figure(figure, rows, path)
 
 
-def _has(name: str) -> Callable[[Row], bool]:
-    return lambda row: name in row.detail
+Columns = dict[str, Callable[[Row], str]]
 
 
-_ASKED = {"": (_listing("clips", "level", _COUNTS, _WRONG, _PROBABILITY, _QUOTED), every)}
-_SCENE_VIEWS = {
-    "": (Pivot(_plain, "scene", with_count=False), every),
-    "Residuals": (_listing("scene", "format", _RESIDUALS, _ERROR), _has(RESIDUALS[0])),
-}
-_NUMERICS_VIEWS = {
-    "Contact that vanishes": (_listing("mask", "", _CONTACT), _has("pooled")),
-    "Number formats": (_listing("parts", "format", _ERROR, _RIGHT), _has("answers_changed")),
-}
-_FILE_VIEW = {"": (_listing("file", "damage", _details("d", *ENDS), _QUOTED), every)}
+def _details(form: str, *names: str) -> Columns:
+    """Return columns of a row's detail, titled by their names; "-" where there is none."""
+    return {
+        name.replace("_", " "): lambda row, name=name: number(row.detail.get(name), form)
+        for name in names
+    }
 
-STABILITY = Bench(
-    "stability",
-    "Stability",
-    "What becomes of damaged, extreme and stiff inputs, and how firm the numbers are.",
-    (
-        Section(
-            "damage",
-            "Damaged clips",
-            DAMAGE_ABOUT,
-            damage_rows,
-            _ASKED,
-            draw_damage,
-            failures_headline,
+
+def _case(row: Row) -> str:
+    return row.case
+
+
+def _plain(row: Row) -> str:
+    return " ".join(row.outcome.replace("|", "/").split())  # a bar would end the cell
+
+
+def _wrong(row: Row) -> str:
+    low_high = f" ({row.interval[0]:.2f}-{row.interval[1]:.2f})" if row.interval else ""
+    return number(row.error, ".2f") + low_high
+
+
+_ASKED = Listing(
+    {"clips": _case, "level": lambda row: row.variant, "n": lambda row: str(row.count)}
+    | _details("d", *OUTCOMES, "false_directions")
+    | {"wrong of answers": _wrong}
+    | _details(".2f", "probability")
+    | {"says": _plain}
+)
+_CONTACT = _details(".1e", "pooled", "recovered", "empty_half", "its_mass", "by_mask", "by_logit")
+
+DAMAGE = Section(
+    name="damage",
+    title="Damaged clips",
+    about=DAMAGE_ABOUT,
+    run=damage_rows,
+    views={"": (_ASKED, every)},
+    figure=_draw_damage,
+    headline=failures_headline,
+)
+
+EXTREME = Section(
+    name="extreme",
+    title="Extreme recordings",
+    about=EXTREME_ABOUT,
+    run=_extreme_rows,
+    views={"": (_ASKED, every)},
+    headline=failures_headline,
+)
+
+SCENES = Section(
+    name="scenes",
+    title="Stiff and extreme scenes",
+    about=SCENES_ABOUT,
+    run=_scene_rows,
+    views={
+        "": (Pivot(_plain, "scene", with_count=False), every),
+        "Residuals": (
+            Listing({"scene": _case} | _details(".1e", *RESIDUALS)),
+            lambda row: RESIDUALS[0] in row.detail,
         ),
-        Section(
-            "extreme",
-            "Extreme recordings",
-            EXTREME_ABOUT,
-            extreme_rows,
-            _ASKED,
-            None,
-            failures_headline,
-        ),
-        Section(
-            "scenes",
-            "Stiff and extreme scenes",
-            SCENES_ABOUT,
-            scene_rows,
-            _SCENE_VIEWS,
-            None,
-            failures_headline,
-        ),
-        Section("numerics", "Numerics", NUMERICS_ABOUT, numerics_rows, _NUMERICS_VIEWS),
-        Section("files", "Damaged files", FILES_ABOUT, file_rows, _FILE_VIEW),
-    ),
+    },
+    headline=failures_headline,
+)
+
+NUMERICS = Section(
+    name="numerics",
+    title="Contact that vanishes",
+    about=NUMERICS_ABOUT,
+    run=_numerics_rows,
+    views={"": (Listing({"mask": _case} | _CONTACT), every)},
 )

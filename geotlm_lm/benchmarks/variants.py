@@ -17,15 +17,14 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.data.questions import as_typed, questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.recordings.idle import estimate_background
-from geotlm_lm.recordings.imprints import touched_part
+from geotlm_lm.recordings.idle import estimate_background, touched_part
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded
@@ -34,15 +33,21 @@ if TYPE_CHECKING:
 
 GENERATED = "words"
 GENERATED_UNSEEN = "words, unseen wordings"
-SLOTS_FELT = "language model's slots, of the task"
+SLOTS_OWN = "language model's slots, of the task"
 PROBE = "linear probe, of the task"
 GLOBAL_PROBE = "linear probe without DGR, of the task"
-FLOW = "optical flow, of the task"
-ALIGNMENT = "direct alignment, of the task"
 """Names of the rows; those "of the task" choose among the task's motions, words among ten. What
 words say is decided by the belief; what the language model says itself stands at its slots."""
 
-RIVALS = (FLOW, ALIGNMENT)
+BELIEF = "belief"
+
+FITS: dict[str, RigidFlow | RigidAlignment] = {
+    "optical flow": RigidFlow(),
+    "direct alignment": RigidAlignment(),
+}
+"""Classical rivals that fit a rigid motion to a clip and learn nothing."""
+
+RIVALS = FLOW, ALIGNMENT = tuple(f"{name}, of the task" for name in FITS)
 """What words may not be worse than."""
 
 QUESTION = "Which way is it moving?"
@@ -51,33 +56,24 @@ QUESTION = "Which way is it moving?"
 VERBS = {ROTATIONS: ("turn", "turning"), SLIDES: ("slide", "sliding")}
 """Motions of a task -> slots of the templates whose words name it."""
 
-Told = tuple[Motion | None, tuple[Motion, ...]]
+NamedWays = tuple[Motion | None, tuple[Motion, ...]]
 """The motion that is named, and every way that a turn or a slide is claimed to go."""
 
-Read = Callable[["Encoded", tuple[Motion, ...]], Motion | Told | None]
+Read = Callable[["Encoded", tuple[Motion, ...]], Motion | NamedWays | None]
 """Takes a perceived clip and the motions in question."""
 
 
-def perceived_once(answerer: Answerer) -> Callable[[Clip], Encoded]:
-    """Return the model's view of a clip; the same object as last time is not encoded again."""
-    return lru_cache(maxsize=1)(answerer.encode)
-
-
 def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
-    """Return every row by its name, in the order of the table.
+    """Return every row by its name, in the order of the table; `seed` draws question wordings."""
+    # The same clip as last time is not encoded again.
+    perceive, model = lru_cache(maxsize=1)(answerer.encode), answerer.bundle.model
 
-    Args:
-        answerer: The loaded model.
-        seed: Root of the draw of question wordings.
-    """
-    perceive, model = perceived_once(answerer), answerer.bundle.model
-
-    def words(question: Callable[[tuple[Motion, ...]], str]) -> Variant:
-        def ask(encoded: Encoded, among: tuple[Motion, ...]) -> Told:
+    def words(question: Callable[[tuple[Motion, ...]], str]) -> Read:
+        def ask(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
             answer = answerer.ask(encoded, question(among))
             return answer.in_the_image, ways_claimed(answer)
 
-        return after_perceiving(perceive, ask)
+        return ask
 
     def probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.probe.predict(encoded.perception.fused_token, among)[0]
@@ -85,20 +81,20 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     def global_probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
         return model.global_probe.predict(encoded.perception.global_token, among)[0]
 
-    def felt(encoded: Encoded, among: tuple[Motion, ...]) -> Told:
-        found = felt_belief(answerer.bundle, encoded)
-        ways = (found.way(one) for one in found.by_size() if one is not Component.PRESS)
-        return max(among, key=shares_of(found).__getitem__), tuple(ways)
+    def slots(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
+        belief = belief_of_slots(answerer.bundle, encoded)
+        ways = (belief.way(part) for part in belief.by_size() if part is not Component.PRESS)
+        return max(among, key=shares_of(belief).__getitem__), tuple(ways)
 
-    return {
+    reads = {
         GENERATED: words(question_for),
         GENERATED_UNSEEN: words(unseen_wordings(seed)),
-        SLOTS_FELT: after_perceiving(perceive, felt),
-        PROBE: after_perceiving(perceive, probe),
-        GLOBAL_PROBE: after_perceiving(perceive, global_probe),
-        FLOW: rival(RigidFlow().predict),
-        ALIGNMENT: rival(RigidAlignment().predict),
+        SLOTS_OWN: slots,
+        PROBE: probe,
+        GLOBAL_PROBE: global_probe,
     }
+    rivals = {FLOW: rival(RigidFlow().predict), ALIGNMENT: rival(RigidAlignment().predict)}
+    return {name: after_perceiving(perceive, read) for name, read in reads.items()} | rivals
 
 
 def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
@@ -117,7 +113,7 @@ def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
     return timed(on_gel)
 
 
-def felt_belief(bundle: Bundle, encoded: Encoded) -> Belief:
+def belief_of_slots(bundle: Bundle, encoded: Encoded) -> Belief:
     """Return what the language model itself says at its slots, which decides nothing.
 
     How far it goes is no word of a slot, and stays as it is believed.
@@ -125,11 +121,11 @@ def felt_belief(bundle: Bundle, encoded: Encoded) -> Belief:
     ways, contact = {}, 0.0
     for slot, logits in bundle.speaker.feel(reading(encoded)[None]).items():
         shares = bundle.calibration.felt(logits[0].double().numpy(), doubt=encoded.doubt)
-        said = dict(zip(SLOTS[slot], shares.tolist(), strict=True))
+        by_word = dict(zip(SLOTS[slot], shares.tolist(), strict=True))
         if slot == "contact":
-            contact = said["yes"]
+            contact = by_word["yes"]
         else:
-            ways |= {Motion(word): share for word, share in said.items() if word != "none"}
+            ways |= {Motion(word): share for word, share in by_word.items() if word != "none"}
     ways = {way: share * contact for way, share in ways.items()}
     return replace(encoded.belief, ways=ways, contact=contact)
 
@@ -157,7 +153,7 @@ def unseen_wordings(seed: int) -> Callable[[tuple[Motion, ...]], str]:
     """
     rng, templates = generator_for(seed, "wordings", "held_out"), load_templates()
     label, held_out = MotionLabel(Motion.CLOCKWISE), templates.types["T1"].among("held_out")
-    texts = [one.text for one in held_out if "{object}" in one.text]
+    texts = [wording.text for wording in held_out if "{object}" in wording.text]
 
     def question(among: tuple[Motion, ...]) -> str:
         if among not in VERBS:
@@ -177,14 +173,14 @@ def unseen_wordings(seed: int) -> Callable[[tuple[Motion, ...]], str]:
 def ways_claimed(answer: Answer) -> tuple[Motion, ...]:
     """Return the ways a turn and a slide are claimed to go, as the camera image shows them.
 
-    An answer claims what more probably counts in its `motion` than not, and one that is withheld
+    An answer claims what more probably counts in its `motion` than not, and a withheld answer
     nothing.
     """
     motion = answer.motion
     if motion is None or answer.abstained:
         return ()
-    counting = (one for one in (Component.TURN, Component.SLIDE) if motion.counts[one] >= 0.5)
-    return tuple(motion.ways[one] for one in counting)
+    counting = (part for part in (Component.TURN, Component.SLIDE) if motion.counts[part] >= 0.5)
+    return tuple(motion.ways[part] for part in counting)
 
 
 def after_perceiving(perceive: Callable[[Clip], Encoded], read: Read) -> Variant:
@@ -198,12 +194,12 @@ def after_perceiving(perceive: Callable[[Clip], Encoded], read: Read) -> Variant
         try:
             encoded = perceive(clip)
         except UnreadableClip:
-            # Whoever refuses a clip has not named its motion; the others are still asked.
+            # A refused clip's motion was not named; the other variants are still asked.
             return Reply(None, 1e3 * (time.perf_counter() - started))
         started = time.perf_counter()
-        told = read(encoded, among)
+        result = read(encoded, among)
         took = 1e3 * (time.perf_counter() - started)
-        motion, claims = told if isinstance(told, tuple) else (told, None)
+        motion, claims = result if isinstance(result, tuple) else (result, None)
         return Reply(motion, sum(encoded.timing_ms.values()) + took, claims)
 
     return whole

@@ -10,13 +10,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from geotlm_lm.cli.grouped import Answering, Reading, grouped
-from geotlm_lm.cli.options import AsJson, ClipPath, Force, FrameSpan, span_of
-from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
-from geotlm_lm.cli.tracked import RerunFile, Targets
-from geotlm_lm.cli.viewer import write_or_serve
-from geotlm_lm.core.errors import Abstained
-from geotlm_lm.core.question import check_question
+from geotlm_lm.cli.grouped import Answering, Recording, RerunOutput, grouped
+from geotlm_lm.cli.options import AsJson
+from geotlm_lm.core.errors import Abstained, check_question
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer
@@ -26,11 +22,9 @@ if TYPE_CHECKING:
 @grouped
 def answer(
     *,
-    clip: ClipPath,
+    recording: Recording,
     question: Annotated[str, typer.Option("--q", help="The question, in plain English.")],
     as_json: AsJson = False,
-    frames: FrameSpan = None,
-    reading: Reading,
     answering: Answering,
     why: Annotated[
         bool, typer.Option("--why", help="Print the reasons before the answer, one a line.")
@@ -38,25 +32,21 @@ def answer(
     fail_on_abstain: Annotated[
         bool, typer.Option("--fail-on-abstain", help="Exit with code 5 if the model will not say.")
     ] = False,
-    rerun: RerunFile = None,
-    force: Force = False,
-    episode: EpisodeNumber = None,
-    camera: CameraName = None,
+    outputs: RerunOutput,
 ) -> None:
     """Answer a question about a clip.
 
     Directions are told as seen in the camera image, for the object relative to the sensor. Notes on
     what was guessed go to stderr.
 
-    Example: geotlm-lm answer --clip clip.npz --q 'Is it turning clockwise?' --json
+    Example: geotlm-lm answer clip.npz --q 'Is it turning clockwise?' --json
     """
     check_question(question)
-    Targets(None, None, None, rerun).require([clip], is_forced=force)
-
-    span, frame = span_of(frames), answering.frame
-    recording = read_recording(clip, episode, camera, reading)
+    path, span, frame = recording.path, recording.span, answering.frame
+    outputs.require([path])
+    clip = recording.read()
     answerer = answering.load()
-    encoded = answerer.encode(recording, span=span)
+    encoded = answerer.encode(clip, span=span)
     reply = answerer.ask(encoded, question, frame=frame)
     for note in reply.notes:
         print(f"note: {note}", file=sys.stderr)
@@ -64,23 +54,26 @@ def answer(
     if reasons is not None:
         print(f"note: the reasons are told {reasons.source}", file=sys.stderr)
     if as_json:
-        told = {} if reasons is None else {"why": asdict(reasons)}
-        print(json.dumps(reply.to_dict() | told))
+        more = {} if reasons is None else {"why": asdict(reasons)}
+        print(json.dumps(reply.to_dict() | more))
     else:
         print("\n".join((*(reasons.steps[:-1] if reasons else ()), reply.text)))
-    if rerun is not None:
-        write_or_serve(rerun, lambda path: _log(path, encoded, question, reply, frame.mm_per_px))
+    if outputs.rerun is not None:
+        from geotlm_lm.track.rerun_log import write_or_serve
+
+        scale = frame.mm_per_px
+        write_or_serve(outputs.rerun, lambda rrd: _log(rrd, encoded, question, reply, scale))
     if fail_on_abstain and reply.abstained:
         raise Abstained(
-            f"{clip}: the model would not answer; see `geotlm-lm info --clip {clip}` for contact, "
-            f"or give a part with more motion by --frames."
+            f"{path}: the model would not answer; see `geotlm-lm info {path}` for contact, or give "
+            f"a part with more motion by --frames."
         )
 
 
 def _log(
     path: Path, encoded: Encoded, question: str, reply: Answer, mm_per_px: float | None
 ) -> None:
-    """Write what was seen, asked and answered for the Rerun viewer."""
+    """Write the recording, the question and the answer for the Rerun viewer."""
     from geotlm_lm.track.export import Exported
     from geotlm_lm.track.rerun_log import log_answer, log_clip, log_track, rerun_recording
 

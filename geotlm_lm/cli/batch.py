@@ -10,24 +10,20 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.grouped import Answering, grouped
+from geotlm_lm.cli.grouped import Answering, Pixels, Positional, grouped, touch_camera
 from geotlm_lm.cli.options import (
+    CameraName,
     ClusterAddress,
-    FramesPerSecond,
-    LayoutName,
-    SquarePixels,
-    TopicName,
     path_option,
     require_writable_file,
 )
-from geotlm_lm.cli.recording import CameraName, touch_camera
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 if TYPE_CHECKING:
     from geotlm_lm.answering.batch import Source
 
-NAMES_TOLD = 5
+NAMED = 5
 """Skipped files that are named; of more than these, how many."""
 
 COMMENT = "#"
@@ -42,9 +38,11 @@ def batch(
     *,
     clips: Annotated[
         Path,
-        path_option(
-            help="Folder of recordings (files, folders of images, bags), or a LeRobot data set, "
-            "each of whose episodes is one."
+        Positional(
+            "--clips",
+            "FOLDER",
+            "Of recordings (files, folders of images, bags), or a LeRobot data set, each of whose "
+            "episodes is one.",
         ),
     ],
     questions: Annotated[
@@ -56,10 +54,7 @@ def batch(
         typer.Option(min=1, help="Processes that answer. [default: one per usable core]"),
     ] = None,
     cluster: ClusterAddress = None,
-    layout: LayoutName = None,
-    fps: FramesPerSecond = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
+    pixels: Pixels,
     camera: CameraName = None,
     answering: Answering,
 ) -> None:
@@ -68,64 +63,41 @@ def batch(
     A clip is encoded once. A stopped run continues where it was when it is started again; the file
     appears when all of it is there. It may take the place of an earlier batch's, and of no other.
 
-    Example: geotlm-lm batch --clips recordings --questions questions.txt --out answers.jsonl
+    Example: geotlm-lm batch recordings --questions questions.txt --out answers.jsonl
     """
+    from geotlm_lm.data_sets.lerobot import is_data_set
     from geotlm_lm.recordings.pixels import check_layout
     from geotlm_lm.recordings.read import require_rate
 
     by = Workers(workers, cluster)
-    require_rate(fps)
-    reading = {"fps": fps, "square_pixels": square_pixels}
-    of_files = {"layout": check_layout(layout), "topic": topic}
+    require_rate(pixels.fps)
+    reading = {"fps": pixels.fps, "square_pixels": pixels.square_pixels}
+    of_files = {"layout": check_layout(pixels.layout), "topic": pixels.topic}
     asked = read_questions(questions)
-    found = _sources(clips, camera, [questions, out], of_files, reading)
+    if is_data_set(clips):
+        sources = _episodes(clips, camera, out, of_files, reading)
+    else:
+        sources = _recordings(clips, camera, questions, out, of_files | reading)
+    require_writable_file(out, "--out", inputs=[questions])
+    require_replaceable(out)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering.batch import answer_all
     from geotlm_lm.answering.loaded import loaded
     from geotlm_lm.cli.progress import progress_on_stderr
 
-    report = progress_on_stderr()
     result = answer_all(
         partial(loaded, answering.model),
-        found,
+        sources,
         asked,
         out,
         frame=answering.frame,
         workers=by,
-        progress=lambda done, total: report("answered", done, total),
+        progress=progress_on_stderr(),
     )
     if result.continued:
         print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
     print(f"{out}: {result.rows} rows, {result.errors} of them errors")
-
-
-def _sources(
-    clips: Path,
-    camera: str | None,
-    own: list[Path],
-    of_files: dict[str, Any],
-    reading: dict[str, Any],
-) -> list[Source]:
-    """Return the episodes of a data set, or the recordings of a folder, once rows may be written.
-
-    Args:
-        clips: The folder.
-        camera: Of a data set.
-        own: The questions, and the file to write.
-        of_files: Options of recordings that are files.
-        reading: Options of all recordings.
-    """
-    from geotlm_lm.data_sets.lerobot import is_data_set
-
-    questions, out = own
-    if is_data_set(clips):
-        found = _episodes(clips, camera, out, of_files, reading)
-    else:
-        found = _recordings(clips, camera, own, of_files | reading)
-    require_writable_file(out, "--out", inputs=[questions])
-    require_replaceable(out)
-    return found
 
 
 def _episodes(
@@ -135,9 +107,8 @@ def _episodes(
     of_files: dict[str, Any],
     reading: dict[str, Any],
 ) -> list[Source]:
-    """Return the episodes of a data set; refuse what is said of other recordings."""
-    from geotlm_lm.data_sets.lerobot import read_data_set
-    from geotlm_lm.data_sets.stored_episode import every_episode
+    """Return the episodes of a data set; refuse options of other recordings."""
+    from geotlm_lm.data_sets.lerobot import every_episode, read_data_set
 
     for name, value in of_files.items():
         if value is not None:
@@ -155,33 +126,26 @@ def _episodes(
 
 
 def _recordings(
-    folder: Path, camera: str | None, own: list[Path], reading: dict[str, Any]
+    folder: Path, camera: str | None, questions: Path, out: Path, reading: dict[str, Any]
 ) -> list[Source]:
-    """Return the recordings of a folder; name on stderr what else lies there.
-
-    Args:
-        folder: Where they lie.
-        camera: Of a data set: none may be named.
-        own: The files of the run itself, the one to write last.
-        reading: Options of `read_clip`.
-    """
-    from geotlm_lm.recordings.listing import clips_in
-    from geotlm_lm.recordings.stored import StoredRecording
+    """Return the recordings of a folder; name on stderr what gets no row, but the run's own."""
+    from geotlm_lm.recordings.listing import EXPECTED, StoredRecording, clips_in, skipped_in
 
     if camera is not None:
         raise UsageError(f"--camera is of a LeRobot data set, and {folder} is none; leave it out.")
-    found, out = clips_in(folder), own[-1]
-    require_writable_file(out, "--out", inputs=found)
-    _tell_skipped(folder, own=[*own, out.with_name(f"{out.name}.part")])
-    return [StoredRecording(path, reading) for path in found]
+    paths = clips_in(folder)
+    require_writable_file(out, "--out", inputs=paths)
+    own = {path.resolve() for path in (questions, out, out.with_name(f"{out.name}.part"))}
+    names = [path.name for path in skipped_in(folder) if path.resolve() not in own]
+    if names:
+        more = len(names) - NAMED
+        listed = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
+        print(f"note: skipped as no recording ({EXPECTED}): {listed}", file=sys.stderr)
+    return [StoredRecording(path, reading) for path in paths]
 
 
 def require_replaceable(out: Path) -> None:
-    """Refuse to replace a file that is neither empty nor the rows of a batch.
-
-    Raises:
-        UsageError: If there is such a file.
-    """
+    """Refuse to replace a file that is neither empty nor the rows of a batch."""
     if out.exists() and not (out.is_file() and _holds_rows(out)):
         raise UsageError(
             f"--out: {out} holds something else than a batch's rows and would be replaced, "
@@ -198,24 +162,8 @@ def _holds_rows(path: Path) -> bool:
         return False
 
 
-def _tell_skipped(folder: Path, own: list[Path]) -> None:
-    """Name on stderr what gets no row, apart from the run's own files."""
-    from geotlm_lm.recordings.listing import EXPECTED, skipped_in
-
-    mine = {path.resolve() for path in own}
-    names = [one.name for one in skipped_in(folder) if one.resolve() not in mine]
-    if names:
-        more = len(names) - NAMES_TOLD
-        told = ", ".join(names[:NAMES_TOLD]) + (f" and {more} more" if more > 0 else "")
-        print(f"note: skipped as no recording ({EXPECTED}): {told}", file=sys.stderr)
-
-
 def read_questions(path: Path) -> list[str]:
-    """Return the questions of a text file, one a line; blank lines and # comments are left out.
-
-    Raises:
-        UsageError: If the file cannot be read, is no UTF-8 text, or holds no question.
-    """
+    """Return the questions of a text file, one a line; blank lines and # comments are left out."""
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except OSError as error:

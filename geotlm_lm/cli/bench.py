@@ -26,10 +26,10 @@ from geotlm_lm.cli.options import (
 )
 from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 if TYPE_CHECKING:
-    from geotlm_lm.benchmarks.rows import Bench, Run
+    from geotlm_lm.benchmarks.harness import Bench, Run
     from geotlm_lm.core.record import RunRecord
 
 app = typer.Typer(
@@ -86,7 +86,7 @@ def accuracy(
     change no number but times.
     """
     require_one_model(model, weights, encoder, heads)
-    from geotlm_lm.benchmarks.rows import EncoderFile
+    from geotlm_lm.benchmarks.harness import EncoderFile
 
     given = None if weights is None else EncoderFile(weights, encoder, heads)
     by = Workers(1 if workers is None and cluster is None else workers, cluster)
@@ -114,7 +114,7 @@ def _command(name: str, about: str) -> Callable[..., None]:
 
 for bench_name, bench_about in {
     "pareto": "Hold error against run time and memory; times need an idle machine.",
-    "stability": "Try stiff and extreme clips and scenes, number formats and damaged files.",
+    "stability": "Try damaged and extreme clips, stiff scenes, and contact that vanishes.",
     "omissions": "Tell what each stage that is left out saves, and what it costs.",
 }.items():
     example = f"Example: geotlm-lm bench {bench_name} --quick"
@@ -146,7 +146,7 @@ def render(
 
 
 def _run(real: Path | None, quick: bool, seed: int, model: Path | None, **more: object) -> Run:
-    from geotlm_lm.benchmarks.rows import Run
+    from geotlm_lm.benchmarks.harness import Run
     from geotlm_lm.cli.progress import progress_on_stderr
 
     if real is not None and not real.is_dir():
@@ -159,9 +159,8 @@ def _measure(
     name: str, run: Run, only: list[str] | None, out: Path | None, *, as_json: bool
 ) -> None:
     """Run a bench; print its tables, and write them where that is asked for."""
-    from geotlm_lm.benchmarks.benches import BENCHES
+    from geotlm_lm.benchmarks.benches import BENCHES, run_bench
     from geotlm_lm.benchmarks.rendering import page, save_results
-    from geotlm_lm.benchmarks.running import run_bench
 
     bench = BENCHES[name]
     before = None if out is None else _earlier(bench, run, out)
@@ -179,8 +178,8 @@ def _earlier(bench: Bench, run: Run, out: Path) -> RunRecord | None:
     Raises:
         UsageError: If it would be, or nothing can be written there.
     """
+    from geotlm_lm.benchmarks.harness import WHOLE
     from geotlm_lm.benchmarks.rendering import RECORDS
-    from geotlm_lm.benchmarks.rows import WHOLE
     from geotlm_lm.core.record import RunRecord
 
     path = out / RECORDS / f"{bench.name}.json"

@@ -8,8 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geotlm_lm.cli.grouped import Answering, Reading, grouped
-from geotlm_lm.cli.options import ClipPath, FrameSpan, span_of
+from geotlm_lm.cli.grouped import Answering, Reading, Recording, grouped
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -29,37 +28,26 @@ HELP = """Ask a question, or state a fact about the recording ("the image is mir
 
 
 @grouped
-def chat(
-    *, clip: ClipPath, frames: FrameSpan = None, reading: Reading, answering: Answering
-) -> None:
+def chat(*, recording: Recording, answering: Answering) -> None:
     """Talk about a clip; questions come from the terminal or from a pipe, one a line.
 
     Answers go to stdout, notes and mistakes to stderr. /help lists the commands.
 
-    Example: geotlm-lm chat --clip clip.npz
+    Example: geotlm-lm chat clip.npz
     """
-    from geotlm_lm.recordings.read import read_clip
-
-    span, frame = span_of(frames), answering.frame
-    recording = read_clip(clip, **vars(reading))
+    span, frame = recording.span, answering.frame
+    clip = recording.read()
     answerer = answering.load()
-    encoded = answerer.encode(recording, span=span)
-    Conversation(answerer, encoded, frame, replace(reading, background=None)).run()
+    encoded = answerer.encode(clip, span=span)
+    Conversation(answerer, encoded, frame, replace(recording.reading, background=None)).run()
 
 
-_SAID_PLAINLY = {"quit": "/quit", "exit": "/quit", "bye": "/quit", "help": "/help"}
+_WITHOUT_STROKE = {"quit": "/quit", "exit": "/quit", "bye": "/quit", "help": "/help"}
 """Commands that people type without their stroke; none of them asks about a clip."""
 
 
 class Conversation:
-    """What the lines of the input do.
-
-    Args:
-        answerer: The model.
-        encoded: The clip it begins with.
-        frame: The frame of reference it begins with.
-        reading: How recordings are read that come later.
-    """
+    """What the lines of the input do; later recordings are read as `reading` has it."""
 
     def __init__(
         self, answerer: Answerer, encoded: Encoded, frame: FrameSpec, reading: Reading
@@ -67,7 +55,7 @@ class Conversation:
         self.answerer, self._reading = answerer, reading
         self.session: Session = answerer.session(encoded, frame)
         self.is_json = False
-        self._tell_notes(encoded.clip.notes)
+        self._print_notes(encoded.clip.notes)
 
     def run(self) -> None:
         """Answer line after line until /quit or the end of the input."""
@@ -83,7 +71,7 @@ class Conversation:
 
     def take(self, line: str) -> bool:
         """Act on one line; return whether the conversation goes on."""
-        command, _, rest = _SAID_PLAINLY.get(line.lower().rstrip("!. "), line).partition(" ")
+        command, _, rest = _WITHOUT_STROKE.get(line.lower().rstrip("!. "), line).partition(" ")
         if command == "/quit":
             return False
         actions = {
@@ -121,7 +109,7 @@ class Conversation:
 
         encoded = self.answerer.encode(read_clip(Path(path), **vars(self._reading)))
         self.session.add_clip(encoded)
-        self._tell_notes(encoded.clip.notes)
+        self._print_notes(encoded.clip.notes)
         print(f"Looking at {path}; {len(self.session.clips)} clips are open.")
 
     def _frame(self, facts: str) -> None:
@@ -132,28 +120,24 @@ class Conversation:
         print(f"Frame: {self.session.frame.summary()}.")
 
     def _stated(self, facts: str) -> FrameSpec:
-        """Return the frame in which some facts hold as well.
-
-        Raises:
-            UsageError: If they are none, or not understood.
-        """
+        """Return the frame in which some facts hold as well."""
         from geotlm_lm.answering.understanding import understand
         from geotlm_lm.query.facts import with_facts
 
-        found = understand(self.answerer.bundle.reader, facts)
-        if found.ask_back is not None:
-            raise UsageError(found.ask_back)
-        if found.query.parts or not found.query.facts:
+        understood = understand(self.answerer.bundle.reader, facts)
+        if understood.ask_back is not None:
+            raise UsageError(understood.ask_back)
+        if understood.query.parts or not understood.query.facts:
             raise UsageError(
                 f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image is "
                 f"mirrored' or 'I look from the object's side'."
             )
         columns = self.session.encoded.clip.frames.shape[2]
-        return with_facts(self.session.frame, found.query.facts, columns)
+        return with_facts(self.session.frame, understood.query.facts, columns)
 
     def _why(self, _: str) -> None:
         last = self.session.last
-        turn = next((one for one in self.session.history if one.answer is last), None)
+        turn = next((turn for turn in self.session.history if turn.answer is last), None)
         if getattr(last, "evidence", None) is None:
             print("there is no answer about one clip yet; ask a question first.", file=sys.stderr)
             return
@@ -176,6 +160,6 @@ class Conversation:
         self.is_json = not self.is_json
         print("answers in JSON" if self.is_json else "answers in words", file=sys.stderr)
 
-    def _tell_notes(self, notes: tuple[str, ...]) -> None:
+    def _print_notes(self, notes: tuple[str, ...]) -> None:
         for note in notes:
             print(f"note: {note}", file=sys.stderr)

@@ -6,18 +6,14 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from geotlm_lm.cli.grouped import Encoder, grouped
 from geotlm_lm.cli.options import (
     BundleFolder,
     DataSets,
-    EncoderHeads,
-    EncoderName,
-    EncoderWeights,
-    HeadsPresetName,
-    HeadsRunFolder,
     Seed,
     path_option,
     require_one_model,
@@ -27,42 +23,45 @@ from geotlm_lm.cli.progress import progress_on_stderr
 from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import BelowMinimum, UsageError
 
-if TYPE_CHECKING:
-    from geotlm_lm.answering import Answerer
 
-Real = Annotated[
-    Path | None,
-    path_option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
-]
-Clips = Annotated[
-    int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
-]
-RecordOut = Annotated[Path | None, path_option(help="Write the record here, as JSON.")]
-RecordAsJson = Annotated[
-    bool, typer.Option("--json", help="End with the record as one line of JSON.")
-]
-MinAccuracy = Annotated[
-    float | None,
-    typer.Option(
-        min=0, max=1, help="Exit 6 if the model's own words fall below this in any table."
-    ),
-]
-
-
+@grouped
 def evaluate(
-    real: Real = None,
+    *,
+    real: Annotated[
+        Path | None,
+        path_option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
+    ] = None,
     data: DataSets = None,
-    clips: Clips = 120,
+    clips: Annotated[
+        int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
+    ] = 120,
     seed: Seed = 0,
     model: BundleFolder = None,
-    out: RecordOut = None,
-    as_json: RecordAsJson = False,
-    min_accuracy: MinAccuracy = None,
-    encoder: EncoderName = None,
-    weights: EncoderWeights = None,
-    heads: EncoderHeads = None,
-    run_folder: HeadsRunFolder = None,
-    preset: HeadsPresetName = None,
+    out: Annotated[Path | None, path_option(help="Write the record here, as JSON.")] = None,
+    as_json: Annotated[
+        bool, typer.Option("--json", help="End with the record as one line of JSON.")
+    ] = False,
+    min_accuracy: Annotated[
+        float | None,
+        typer.Option(
+            min=0, max=1, help="Exit 6 if the model's own words fall below this in any table."
+        ),
+    ] = None,
+    encoder: Encoder,
+    run_folder: Annotated[
+        Path | None,
+        path_option(
+            help="With --weights: tokens and heads are kept here, to continue from. [default: "
+            "runs/encoder]"
+        ),
+    ] = None,
+    preset: Annotated[
+        str | None,
+        typer.Option(
+            help="With --weights: smoke or default, how long the encoder's heads learn. [default: "
+            "default]"
+        ),
+    ] = None,
 ) -> None:
     """Judge the model on clips it has never seen, beside linear probes, optical flow and alignment.
 
@@ -71,21 +70,24 @@ def evaluate(
     """
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
-    require_one_model(model, weights, encoder, heads)
+    weights = encoder.weights
+    require_one_model(model, weights, encoder.encoder, encoder.heads)
     if weights is None and (preset is not None or run_folder is not None):
         raise UsageError("--preset and --run-folder need --weights with the encoder's file.")
     if out is not None:
         require_record_file(out, "--out", inputs=_inputs(real, data or (), weights))
+    from geotlm_lm.answering import Answerer
+
+    name, about = "embedded" if model is None else model.name, {}
     if weights is None:
-        answerer, name, about = _embedded(model)
+        answerer = Answerer.load(model)
     else:
-        folder = run_folder or Path("runs/encoder")
-        chosen = "default" if preset is None else preset
-        answerer, name, about = _trained_on(weights, encoder, heads, chosen, folder, seed)
-    from geotlm_lm.benchmarks.accuracy import EVALUATION
+        folder, chosen = run_folder or Path("runs/encoder"), "default" if preset is None else preset
+        name, bundle = _trained_on(encoder, chosen, folder, seed)
+        answerer, about = Answerer(bundle), {"encoder": bundle.provenance}
+    from geotlm_lm.benchmarks.benches import EVALUATION, run_bench
+    from geotlm_lm.benchmarks.harness import Run, rows_of
     from geotlm_lm.benchmarks.rendering import page
-    from geotlm_lm.benchmarks.rows import Run, rows_of
-    from geotlm_lm.benchmarks.running import run_bench
     from geotlm_lm.benchmarks.variants import GENERATED
 
     what = {"seed": seed, "clips": clips, "real": real, "data": tuple(data or ())}
@@ -112,29 +114,17 @@ def _inputs(real: Path | None, data: Sequence[Path], weights: Path | None) -> li
     return [*data, *tables, *([] if weights is None else [weights])]
 
 
-def _embedded(model: Path | None) -> tuple[Answerer, str, dict[str, Any]]:
-    """Return the bundle at `model`, what the record calls it, and what it adds to the record."""
-    from geotlm_lm.answering import Answerer
-
-    name = "embedded" if model is None else model.name
-    return Answerer.load(model), name, {}
-
-
-def _trained_on(
-    weights: Path, encoder: str | None, heads: int | None, preset: str, folder: Path, seed: int
-) -> tuple[Answerer, str, dict[str, Any]]:
-    """Train heads on a released encoder; return as `_embedded` does."""
+def _trained_on(encoder: Encoder, preset: str, folder: Path, seed: int) -> tuple[str, Any]:
+    """Train heads on a released encoder; return what the record calls it, and the bundle."""
     import torch
 
-    from geotlm_lm.answering import Answerer
     from geotlm_lm.backbone.released import load_encoder
-    from geotlm_lm.training.config import heads_preset_named
+    from geotlm_lm.training.config import HEADS_PRESETS, preset_named
     from geotlm_lm.training.heads import train_heads
 
-    heads_preset_named(preset)  # told before gigabytes are read
+    preset_named(preset, HEADS_PRESETS)  # refused before gigabytes are read
     require_writable(folder, "--run-folder")
-    released = load_encoder(weights, encoder, heads=heads)
+    released = load_encoder(encoder.weights, encoder.encoder, heads=encoder.heads)
     released.to("cuda" if torch.cuda.is_available() else "cpu")
     bundle = train_heads(released, preset, folder, seed, progress_on_stderr())
-    name = f"{released.adapter.title} ({weights.name})"
-    return Answerer(bundle), name, {"encoder": bundle.provenance}
+    return f"{released.row.title} ({encoder.weights.name})", bundle

@@ -1,4 +1,4 @@
-"""`geotlm-lm info`: what a recording holds, or a released encoder's file; answers nothing."""
+"""`geotlm-lm info` and `doctor`: what a recording holds, and what is wrong with it; no answers."""
 
 from __future__ import annotations
 
@@ -7,55 +7,41 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from geotlm_lm.cli.grouped import Reading, grouped
-from geotlm_lm.cli.options import (
-    AsJson,
-    EncoderHeads,
-    EncoderName,
-    EncoderWeights,
-    FrameSpan,
-    path_option,
-    span_of,
-)
+import typer
+
+from geotlm_lm.cli.grouped import Encoder, Reading, Recording, grouped
+from geotlm_lm.cli.options import AsJson, BundleFolder, path_of
+from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
     from geotlm_lm.core.clip import Clip
+    from geotlm_lm.doctor.examine import Finding
 
 ESTIMATED = "estimated from the frames"
 
+CAMERA_FRAMES = 75
+"""Frames of a camera that are looked at: three seconds of most."""
+
+INSTALLATION = "the installation"
+
 
 @grouped
-def info(
-    *,
-    clip: Annotated[Path | None, path_option(help="Recording, as for `geotlm-lm answer`.")] = None,
-    as_json: AsJson = False,
-    frames: FrameSpan = None,
-    reading: Reading,
-    encoder: EncoderName = None,
-    weights: EncoderWeights = None,
-    heads: EncoderHeads = None,
-) -> None:
+def info(*, recording: Recording, as_json: AsJson = False, encoder: Encoder) -> None:
     """Describe a recording: size, frame rate, idle gel, from when to when it is touched, warnings.
 
     With --weights, describe a released encoder's file: what was recognised, parameters, tokens.
 
-    Example: geotlm-lm info --clip recording.mov
+    Example: geotlm-lm info recording.mov
     """
-    from geotlm_lm.core.errors import UsageError
-
-    if (clip is None) == (weights is None):
-        raise UsageError(
-            "give --clip with a recording, or --weights with the file of a released encoder."
-        )
-    if weights is not None:
+    if (recording.file is None) == (encoder.weights is None):
+        raise UsageError("give a recording, or --weights with the file of a released encoder.")
+    if encoder.weights is not None:
         from geotlm_lm.backbone.released import load_encoder
 
-        facts = load_encoder(weights, encoder, heads=heads).describe()
+        facts = load_encoder(encoder.weights, encoder.encoder, heads=encoder.heads).describe()
     else:
-        from geotlm_lm.recordings.read import read_clip
-
-        span = span_of(frames)
-        facts = describe(read_clip(clip, **vars(reading)), span)
+        span = recording.span
+        facts = describe(recording.read(), span)
     if as_json:
         print(json.dumps(facts))
         return
@@ -69,9 +55,13 @@ def describe(recording: Clip, span: tuple[int, int] | None = None) -> dict[str, 
     """Return what is known about a recording, or about a span of it, without any model."""
     import numpy as np
 
-    from geotlm_lm.recordings.idle import estimate_background, find_idle
-    from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprint_strength
-    from geotlm_lm.recordings.span import frames_inside
+    from geotlm_lm.recordings.idle import (
+        FAINT_IMPRINT,
+        estimate_background,
+        find_idle,
+        imprint_strength,
+    )
+    from geotlm_lm.recordings.read import frames_inside
 
     origin = "given" if recording.background is not None else "found in the recording"
     idle = recording.background if origin == "given" else find_idle(recording)
@@ -114,3 +104,75 @@ def _words(value: Any) -> str:
     if isinstance(value, list):
         return " ".join(str(part) for part in value)
     return str(value)
+
+
+@grouped
+def doctor(
+    *,
+    source: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="SOURCE",
+            help="A recording, a camera's number or its device file. [default: the installation]",
+        ),
+    ] = None,
+    as_json: AsJson = False,
+    reading: Reading,
+    model: BundleFolder = None,
+) -> None:
+    """Examine a recording: rate, dropped and repeated frames, colours, light, idle gel, markers.
+
+    Each finding says what was measured, what it means for the answers, and what to set. Without a
+    source the installation is examined: versions, extras, cameras, and one answer of the model.
+
+    Example: geotlm-lm doctor recording.mov
+    """
+    if source is None:
+        from geotlm_lm.doctor.installation import examine_installation
+
+        _print_findings(INSTALLATION, examine_installation(model), (), as_json=as_json)
+        return
+    from geotlm_lm.doctor.examine import examine
+    from geotlm_lm.recordings.read import each_frame, read_clip
+
+    if source.isdecimal() or source.startswith("/dev/"):
+        clip, frames = _from_camera(source, reading.fps), None
+    else:
+        clip = read_clip(path_of(source), **vars(reading))
+        is_square = bool(reading.square_pixels)
+        frames = each_frame(clip, square_pixels=is_square, topic=reading.topic)
+    _print_findings(source, examine(clip, frames), clip.notes, as_json=as_json)
+
+
+def _from_camera(source: str, fps: float | None) -> Clip:
+    """Return the first frames of a camera as a clip, with their times."""
+    from contextlib import closing
+    from itertools import islice
+
+    import numpy as np
+
+    from geotlm_lm.core.clip import Clip
+    from geotlm_lm.recordings.streams import open_source
+
+    stream = open_source(source, fps=fps)
+    with closing(iter(stream)) as frames:
+        taken = list(islice(frames, CAMERA_FRAMES))
+    times_s = tuple(frame.time_s - taken[0].time_s for frame in taken)
+    return Clip(np.stack([frame.image for frame in taken]), fps=fps, name=source, times_s=times_s)
+
+
+def _print_findings(
+    source: str, findings: list[Finding], notes: tuple[str, ...], *, as_json: bool
+) -> None:
+    faults = [finding.subject for finding in findings if finding.verdict == "fault"]
+    if as_json:
+        plain = [finding.to_dict() for finding in findings]
+        print(json.dumps({"source": source, "faults": faults, "findings": plain,
+                          "notes": list(notes)}))  # fmt: skip
+        return
+    for finding in findings:
+        print("\n".join(finding.lines()))
+    for note in notes:
+        print(f"{'note':<8}{note}")
+    verdict = f"{len(faults)} to repair: {', '.join(faults)}." if faults else "Nothing to repair."
+    print(f"\n{Path(source).name or source}: {verdict}")

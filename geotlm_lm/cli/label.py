@@ -16,7 +16,7 @@ from geotlm_lm.cli.options import (
     path_option,
     require_writable,
 )
-from geotlm_lm.workers import Workers
+from geotlm_lm.runs.run import Workers
 
 REFUSED_TOLD = 5
 """Episodes that could not be tracked which are told; of more than these, how many."""

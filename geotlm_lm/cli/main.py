@@ -4,26 +4,31 @@ from __future__ import annotations
 
 import errno
 import os
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
 from io import TextIOWrapper
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from geotlm_lm import __version__
 from geotlm_lm.cli.answer import answer
-from geotlm_lm.cli.app import app as serve_app
 from geotlm_lm.cli.batch import batch
 from geotlm_lm.cli.bench import app as bench
 from geotlm_lm.cli.chat import chat
-from geotlm_lm.cli.doctor import doctor
-from geotlm_lm.cli.ending import ended_in_order
 from geotlm_lm.cli.evaluate import evaluate
-from geotlm_lm.cli.info import info
+from geotlm_lm.cli.info import doctor, info
 from geotlm_lm.cli.label import label
 from geotlm_lm.cli.manifest import manifest
-from geotlm_lm.cli.simulate import simulate
-from geotlm_lm.cli.track import track
+from geotlm_lm.cli.options import path_option
+from geotlm_lm.cli.simulate import ForwardsClip, simulate
+from geotlm_lm.cli.simulate_clip import simulate_clip
+from geotlm_lm.cli.track import INTERRUPTED, track
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch
 from geotlm_lm.core.errors import GeoTLMError, UsageError
@@ -31,15 +36,12 @@ from geotlm_lm.core.errors import GeoTLMError, UsageError
 app = typer.Typer(
     name="geotlm-lm",
     help="Ask a camera-based touch sensor, in plain language, how the touched object moves.",
-    epilog="Example: geotlm-lm answer --clip clip.npz --q 'Which way is it turning?'",
+    epilog="Example: geotlm-lm answer clip.npz --q 'Which way is it turning?'",
     add_completion=False,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
-
-INTERRUPTED = 130
-"""Exit code of a command stopped by Ctrl-C (128 + SIGINT)."""
 
 STOPPED = "Stopped; files already complete are kept."
 
@@ -52,11 +54,47 @@ UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
 
-for command in (answer, batch, chat, doctor, info, label, manifest, simulate, track, train, watch):
+for command in (answer, batch, chat, doctor, info, label, manifest, track, train, watch):
     app.command()(command)
-app.command(name="app")(serve_app)
+app.command(cls=ForwardsClip)(simulate)
+app.command()(simulate_clip)
 app.command(epilog="Example: geotlm-lm evaluate --clips 40 --out mine.json")(evaluate)
 app.add_typer(bench, name="bench")
+
+
+@app.command(name="app")
+def serve(
+    port: Annotated[
+        int | None,
+        typer.Option(min=1, max=65535, help="To listen on. [default: a free one from 7860 on]"),
+    ] = None,
+    mcp: Annotated[
+        bool, typer.Option("--mcp", help="Serve agents too, over MCP. Needs the extra mcp.")
+    ] = False,
+    recordings: Annotated[
+        Path | None,
+        path_option(help="Folder of recordings that programs and agents may name; only read."),
+    ] = None,
+) -> None:
+    """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
+
+    Example: geotlm-lm app --port 7860
+    """
+    import_module(f"{_page_package()}.__main__").serve(port, mcp=mcp, recordings=recordings)
+
+
+def _page_package() -> str:
+    """Return the name the page's package is imported by."""
+    import geotlm_lm
+    from geotlm_lm.core.files import resource_dir
+
+    folder = resource_dir("app")
+    if folder.parent == Path(geotlm_lm.__file__).resolve().parent:
+        return f"{geotlm_lm.__name__}.app"
+    # A checkout keeps the page beside the package, where only a run from its root would find it.
+    if str(folder.parent) not in sys.path:
+        sys.path.insert(0, str(folder.parent))
+    return folder.name
 
 
 def _show_version(is_asked: bool) -> None:
@@ -73,6 +111,38 @@ def root(
     ] = False,
 ) -> None:
     """Ask a camera-based touch sensor, in plain language, how the touched object moves."""
+
+
+@contextmanager
+def ended_in_order() -> Iterator[None]:
+    """Turn SIGTERM into an interruption; after the block the process ends of the signal itself.
+
+    Without it a video that is being written would stay without its index, which no player reads.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals are the main thread's
+        return
+    asked, owner = [], os.getpid()
+
+    def end(number: int, _: object) -> None:
+        if asked or os.getpid() != owner:  # asked twice, or a copy of the process made to work
+            _end_by(number)
+        asked.append(number)
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before or signal.SIG_DFL)  # None: set outside Python
+        if asked:
+            _end_by(asked[0])
+
+
+def _end_by(number: int) -> None:
+    """End this process as the signal would have; whoever sent it looks for that."""
+    signal.signal(number, signal.SIG_DFL)
+    os.kill(os.getpid(), number)
 
 
 def main(arguments: list[str] | None = None) -> None:

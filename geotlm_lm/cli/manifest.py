@@ -53,8 +53,7 @@ def manifest(
     Example: geotlm-lm manifest --root ToucHD-Sim --out touchd.csv --pattern
     '(?P<object>[^/]+)/(?P<sensor>[^/]+)/(?P<action>[^/]+)/(?P<trial>[^/]+)/(?P<frame>[0-9]+)[.]png'
     """
-    from geotlm_lm.data.manifest_maker import make_manifest
-    from geotlm_lm.data.manifest_rows import SUFFIXES, write_manifest
+    from geotlm_lm.data.manifest import SUFFIXES, make_manifest, write_manifest
 
     if out.suffix.lower() not in SUFFIXES:
         raise UsageError(f"--out {out} was given, expected a name that ends in .csv or .jsonl.")

@@ -1,4 +1,4 @@
-"""Options that several commands share; imports nothing heavy."""
+"""Options that several commands share, and the checks of what they name; imports nothing heavy."""
 
 from __future__ import annotations
 
@@ -14,11 +14,9 @@ from geotlm_lm.core.errors import UsageError
 
 
 def path_of(text: str) -> Path:
-    """Return the path that was typed.
+    """Return the path that was typed; none is empty, as an unset variable of a script is.
 
-    Raises:
-        UsageError: If it is empty, as an unset variable of a script is: `Path` takes that for the
-            current folder.
+    `Path` takes that for the current folder.
     """
     if not text:
         raise UsageError("An empty path was given, expected a file's or a folder's; give it.")
@@ -30,63 +28,12 @@ def path_option(*names: str, help: str) -> OptionInfo:
     return typer.Option(*names, parser=path_of, metavar="<path>", help=help)
 
 
-ClipPath = Annotated[
-    Path,
-    path_option(
-        "--clip",
-        help="Recording: .npy, .npz, a video, a .gif, a .tif of several pages, a bag of ROS "
-        "(.mcap, .db3, .bag, or its folder), or a folder of images.",
-    ),
-]
-FrameSpan = Annotated[
-    str | None,
-    typer.Option(
-        "--frames",
-        metavar="FIRST:LAST",
-        help="Frames to track inside, both included, counted from 0. [default: the whole "
-        "recording]",
-    ),
-]
-LayoutName = Annotated[
-    str | None,
-    typer.Option(
-        "--layout",
-        help="Axes of an array, THWC, TCHW or THW (grey); BGR, or THWC-BGR, where OpenCV gave its "
-        "colours. [default: guessed, stated]",
-    ),
-]
 SquarePixels = Annotated[
     bool | None,
     typer.Option(
         "--square-pixels",
         help="The camera's picture is square: frames of 224x224 are else taken for a 4:3 picture "
         "squashed to a square.",
-    ),
-]
-TopicName = Annotated[
-    str | None,
-    typer.Option(
-        "--topic",
-        help="Topic of a bag's images. [default: the only one that has images]",
-    ),
-]
-Background = Annotated[
-    Path | None,
-    path_option(
-        "--background",
-        help="Image or .npy of the untouched gel. [default: from the recording, else estimated]",
-    ),
-]
-FramesPerSecond = Annotated[
-    float | None,
-    typer.Option("--fps", help="Frames per second. [default: what the file says]"),
-]
-MmPerPixel = Annotated[
-    float | None,
-    typer.Option(
-        "--mm-per-px",
-        help="Width on the gel of a pixel of the recording, in mm: slides are then told in mm. "
-        "[default: told in pixels]",
     ),
 ]
 BundleFolder = Annotated[
@@ -101,6 +48,12 @@ DataSets = Annotated[
         "--data",
         help="TactileTracking's folder, or a manifest of clips such as ToucHD-Sim's, to add; "
         "may be given again.",
+    ),
+]
+CameraName = Annotated[
+    str | None,
+    typer.Option(
+        "--camera", help="Of a LeRobot data set: the touch sensor's. [default: the only one]"
     ),
 ]
 ClusterAddress = Annotated[
@@ -130,22 +83,6 @@ EncoderHeads = Annotated[
         "--heads", min=1, help="Attention heads of the encoder. [default: those of its width]"
     ),
 ]
-HeadsRunFolder = Annotated[
-    Path | None,
-    path_option(
-        "--run-folder",
-        help="With --weights: tokens and heads are kept here, to continue from. [default: "
-        "runs/encoder]",
-    ),
-]
-HeadsPresetName = Annotated[
-    str | None,
-    typer.Option(
-        "--preset",
-        help="With --weights: smoke or default, how long the encoder's heads learn. [default: "
-        "default]",
-    ),
-]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace the file, if there is one of its name already.")
 ]
@@ -160,29 +97,11 @@ Seed = Annotated[
 def require_one_model(
     model: Path | None, weights: Path | None, encoder: str | None, heads: int | None
 ) -> None:
-    """Refuse options of a released encoder that do not go together.
-
-    Raises:
-        UsageError: If an encoder has no file, or is given beside a bundle.
-    """
+    """Refuse an encoder without a file, or beside a bundle."""
     if weights is None and (encoder is not None or heads is not None):
         raise UsageError("--encoder and --heads need --weights with the encoder's file.")
     if weights is not None and model is not None:
         raise UsageError("--model and --weights exclude each other: give one of them.")
-
-
-def span_of(frames: str | None) -> tuple[int, int] | None:
-    """Return FIRST and LAST of `frames`, None when not given.
-
-    Raises:
-        UsageError: If it is not two numbers.
-    """
-    if frames is None:
-        return None
-    first, _, last = frames.partition(":")
-    if not all(number.isdecimal() and len(number) < 10 for number in (first, last)):
-        raise UsageError(f"--frames '{frames[:40]}' was given, expected FIRST:LAST such as 40:60.")
-    return int(first), int(last)
 
 
 def require_writable(folder: Path, option: str) -> None:
@@ -204,32 +123,28 @@ def require_writable(folder: Path, option: str) -> None:
 
 
 def _nearest_there(folder: Path) -> Path:
-    for one in (folder, *folder.parents):
+    for part in (folder, *folder.parents):
         try:
-            one.lstat()
+            part.lstat()
         except FileNotFoundError:
             continue
-        return one
+        return part
     return folder
 
 
 def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = ()) -> None:
     """Try to write in the folder of `path`, for the same reason and as `require_writable`.
 
-    Args:
-        path: Of the file to write.
-        option: That names it.
-        inputs: Files, and folders of images, that the command reads.
-
     Raises:
-        UsageError: If the file cannot be written there, or is one of the inputs.
+        UsageError: If the file cannot be written there, or is one of the inputs (files, and
+            folders of images, that the command reads).
     """
     if path.is_dir():
         raise UsageError(f"{option}: {path} is a folder, expected the name of a file.")
     if path.exists() and not path.is_file():  # as /dev/null, which root could replace
         raise UsageError(f"{option}: {path} is no regular file, expected the name of one.")
-    for one in inputs:
-        if _is_of(path, one):
+    for source in inputs:
+        if _is_of(path, source):
             raise UsageError(
                 f"{option}: {path} is read by this command and would be replaced, expected the "
                 f"name of another file; give one."
@@ -240,17 +155,7 @@ def require_writable_file(path: Path, option: str, *, inputs: Iterable[Path] = (
 def require_new_file(
     path: Path, option: str, *, is_forced: bool, inputs: Iterable[Path] = ()
 ) -> None:
-    """Refuse to replace a file unless that is asked for; else as `require_writable_file`.
-
-    Args:
-        path: Of the file to write.
-        option: That names it.
-        is_forced: Whether --force was given.
-        inputs: Files that the command reads, which --force does not let it replace.
-
-    Raises:
-        UsageError: If it is there already, or cannot be written.
-    """
+    """Refuse to replace a file unless --force was given; else as `require_writable_file`."""
     require_writable_file(path, option, inputs=inputs)
     # A link that leads nowhere would be replaced, or followed, as well.
     if not is_forced and (path.exists() or path.is_symlink()):

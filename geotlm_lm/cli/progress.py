@@ -8,11 +8,10 @@ import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING, TextIO
 
-from geotlm_lm.core.progress import Progress
+from geotlm_lm.core.process import Progress
 
 if TYPE_CHECKING:
-    from rich.progress import Progress as Bars
-    from rich.progress import TaskID
+    from rich.progress import Progress as Bar
 
 REPORT_EVERY_S = 2.0
 """A wait longer than this shows how far it is."""
@@ -22,10 +21,9 @@ RATE_AFTER_S = 0.5
 
 
 def progress_on_stderr(unit: str = "clips") -> Progress:
-    """Return what shows on stderr how far a command is.
+    """Return what shows on stderr how far a command is; `unit` is counted, empty in stages' names.
 
-    Args:
-        unit: What is counted; empty where the stage says it.
+    What follows a comma in a stage's name may change within the stage.
     """
     return ProgressBars(sys.stderr) if sys.stderr.isatty() else ProgressLines(unit)
 
@@ -34,22 +32,18 @@ class ProgressLines:
     """Lines for a file or a pipe: at most one every `REPORT_EVERY_S`, and one at each end.
 
     From the second report of a stage on they tell the rate. It counts from the first: neither
-    starting up nor what an earlier run left behind is in it.
-
-    Args:
-        unit: What is counted; empty where the stage says it.
-        clock: Seconds from any moment on.
+    starting up nor what an earlier run left behind is in it. The clock tells seconds.
     """
 
     def __init__(self, unit: str, clock: Callable[[], float] = time.monotonic) -> None:
-        self._unit, self._clock = unit, clock
+        self._unit, self._clock = f" {unit}" if unit else "", clock
         self._shown_at = clock()
         self._stage: tuple[str, int] | None = None
         self._first = (0, 0.0)
 
     def __call__(self, what: str, done: int, total: int) -> None:
         """Print a line if it is time to."""
-        now, stage = self._clock(), (_stage_of(what), total)
+        now, stage = self._clock(), (what.partition(",")[0], total)
         if stage != self._stage:
             self._stage, self._first = stage, (done, now)
         if done != total and now - self._shown_at <= REPORT_EVERY_S:
@@ -57,66 +51,45 @@ class ProgressLines:
         self._shown_at = now
         before, began = self._first
         seconds = now - began
-        unit = f" {self._unit}" if self._unit else ""
         rate = f", {(done - before) / seconds:.1f}/s" if seconds > RATE_AFTER_S else ""
-        print(f"{what}: {done} of {total}{unit}{rate}", file=sys.stderr, flush=True)
+        print(f"{what}: {done} of {total}{self._unit}{rate}", file=sys.stderr, flush=True)
 
 
 class ProgressBars:
-    """One bar per stage on a terminal, each left standing once it is full.
-
-    Args:
-        stream: The terminal.
-    """
+    """One bar per stage on a terminal, each left standing once it is full."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = stream
-        self._bars: Bars | None = None
-        self._task: TaskID | None = None
+        self._bar: Bar | None = None
         self._stage: tuple[str, int] | None = None
 
     def __call__(self, what: str, done: int, total: int) -> None:
         """Move the bar of the stage, or begin one."""
-        stage = (_stage_of(what), total)
-        if self._bars is None or stage != self._stage:
+        stage = (what.partition(",")[0], total)
+        if self._bar is None or stage != self._stage:
             self.close()
-            self._bars, self._stage = self._begun(), stage
-            self._task = self._bars.add_task(what, total=total, completed=done)
-        self._bars.update(self._task, description=what, completed=done)
+            self._begin(what, done, total)
+            self._stage = stage
+        self._bar.update(self._bar.task_ids[0], description=what, completed=done)
         if done >= total:
             self.close()
 
     def close(self) -> None:
         """Leave the bar as it stands and give the cursor back."""
-        if self._bars is not None:
-            self._bars.stop()
+        if self._bar is not None:
+            self._bar.stop()
             atexit.unregister(self.close)
-            self._bars = None
+            self._bar = None
 
-    def _begun(self) -> Bars:
+    def _begin(self, what: str, done: int, total: int) -> None:
         # Imported only now: an answer must not wait for it.
+        from rich import progress as rich
         from rich.console import Console
-        from rich.progress import (
-            BarColumn,
-            MofNCompleteColumn,
-            TextColumn,
-            TimeElapsedColumn,
-            TimeRemainingColumn,
-        )
-        from rich.progress import Progress as Bars
 
-        bars = Bars(
-            TextColumn("{task.description}", markup=False),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-            console=Console(file=self._stream),
-        )
+        columns = (rich.BarColumn(), rich.MofNCompleteColumn(), rich.TimeElapsedColumn(),
+                   rich.TimeRemainingColumn())  # fmt: skip
+        words = rich.TextColumn("{task.description}", markup=False)
+        self._bar = rich.Progress(words, *columns, console=Console(file=self._stream))
+        self._bar.add_task(what, total=total, completed=done)
         atexit.register(self.close)  # an error may end the stage before it is full
-        bars.start()
-        return bars
-
-
-def _stage_of(what: str) -> str:
-    return what.partition(",")[0]
+        self._bar.start()

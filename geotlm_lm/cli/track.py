@@ -1,4 +1,7 @@
-"""`geotlm-lm track`: what happens in a whole recording, as a table, files, a plot, a video."""
+"""`geotlm-lm track`: what happens in a whole recording, as a table, files, a plot, a video.
+
+What `watch` prints and writes of a track is here as well.
+"""
 
 from __future__ import annotations
 
@@ -9,53 +12,36 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.grouped import Answering, Reading, grouped
-from geotlm_lm.cli.options import Force, FrameSpan, path_of, span_of
+from geotlm_lm.cli.grouped import AllOutputs, Answering, Recording, TrackOutputs, grouped
 from geotlm_lm.cli.progress import progress_on_stderr
-from geotlm_lm.cli.recording import CameraName, EpisodeNumber, read_recording
-from geotlm_lm.cli.tracked import (
-    HEAD,
-    INTERRUPTED,
-    NO_EVENTS,
-    OutFile,
-    PlotFile,
-    RerunFile,
-    Targets,
-    VideoFile,
-    aligned,
-    event_line,
-    totals_lines,
-)
-from geotlm_lm.cli.viewer import write_or_serve
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
     from geotlm_lm.core.clip import Clip
-    from geotlm_lm.track.export import Exported
+    from geotlm_lm.track.events import Event
+    from geotlm_lm.track.export import Exported, Units
     from geotlm_lm.track.track import Track
+
+INTERRUPTED = 130
+"""Exit code of a command stopped by Ctrl-C; what was tracked by then is written."""
+
+NO_EVENTS = "Nothing touches in the recording."
+
+HEAD = ("begin", "end", "what", "how far", "likely", "sure")
+WIDTHS = (21, 8, 14, 4)
 
 
 @grouped
 def track(
     *,
-    recording: Annotated[
-        Path,
-        typer.Argument(parser=path_of, metavar="RECORDING", help="As for `geotlm-lm answer`."),
-    ],
+    recording: Recording,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print events and totals as one JSON object.")
     ] = False,
-    out: OutFile = None,
-    plot: PlotFile = None,
-    video: VideoFile = None,
-    rerun: RerunFile = None,
-    force: Force = False,
-    frames: FrameSpan = None,
-    reading: Reading,
+    outputs: AllOutputs,
     answering: Answering,
-    episode: EpisodeNumber = None,
-    camera: CameraName = None,
 ) -> None:
     """Track a whole recording: what touches when, how it moves, how far.
 
@@ -64,35 +50,38 @@ def track(
 
     Example: geotlm-lm track recording.mov --out track.csv --plot track.png
     """
-    targets = Targets(out, plot, video, rerun)
-    inputs = [one for one in (recording, reading.background) if one is not None]
-    targets.require(inputs, is_forced=force)
+    inputs = [path for path in (recording.path, recording.background) if path is not None]
+    outputs.require(inputs)
     from geotlm_lm.recordings.legible import require_any_legible
-    from geotlm_lm.recordings.span import frames_inside
+    from geotlm_lm.recordings.read import frames_inside
 
-    span, scale = span_of(frames), answering.frame.mm_per_px
-    clip = read_recording(recording, episode, camera, reading)
+    span, scale = recording.span, answering.frame.mm_per_px
+    clip = recording.read()
     require_any_legible(clip if span is None else frames_inside(clip, span))
 
     from geotlm_lm.track.export import Exported
 
     answerer = answering.load()
     # As it was read with: what does not fit into memory is decoded anew, frame by frame.
-    again = {"square_pixels": bool(reading.square_pixels), "topic": reading.topic}
+    again = {"square_pixels": bool(recording.square_pixels), "topic": recording.topic}
     tracked, is_stopped = _tracked(answerer, clip, span, again)
-    exported = Exported(tracked, scale)
-    in_frames = not clip.is_timed
-    targets.write(exported, clip.name, clip.fps, in_frames=in_frames)
-    if video is not None:
-        _film(video, exported, clip, again)
+    exported, in_frames = Exported(tracked, scale), not clip.is_timed
+    write_table_and_plot(outputs, exported, clip.name, clip.fps, in_frames=in_frames)
+    if outputs.video is not None:
+        _write_film(outputs.video, exported, clip, again)
     for note in (*clip.notes, *tracked.notes):
         print(f"note: {note}", file=sys.stderr)
     if as_json:
         print(json.dumps(exported.to_dict()))
+    elif not tracked.events:
+        print(NO_EVENTS)
     else:
-        print("\n".join(table(exported, in_frames=in_frames)))
-    if rerun is not None:
-        write_or_serve(rerun, lambda path: _log(path, exported, clip, again))
+        lines = [event_line(event, exported.units, in_frames=in_frames) for event in tracked.events]
+        print("\n".join([aligned(HEAD), *lines, "", *totals_lines(exported)]))
+    if outputs.rerun is not None:
+        from geotlm_lm.track.rerun_log import write_or_serve
+
+        write_or_serve(outputs.rerun, lambda path: _log(path, exported, clip, again))
     if is_stopped:
         print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED)
@@ -106,7 +95,7 @@ def _tracked(
     Raises:
         KeyboardInterrupt: If no two frames were tracked by then.
     """
-    from geotlm_lm.recordings.every_frame import each_frame
+    from geotlm_lm.recordings.read import each_frame
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     tracker, show, is_stopped = answerer.tracker(clip), progress_on_stderr("frames"), False
@@ -126,14 +115,27 @@ def _tracked(
         if done < 2 or (span is not None and done <= span[0] + 1):
             raise
     show("tracking", done, done if is_stopped else total)
-    found = tracker.finish()
+    whole = tracker.finish()
     if span is None:
-        return found, is_stopped
-    return found.between(span[0], min(span[1], int(found.numbers[-1]))), is_stopped
+        return whole, is_stopped
+    return whole.between(span[0], min(span[1], int(whole.numbers[-1]))), is_stopped
 
 
-def _film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
-    from geotlm_lm.recordings.every_frame import each_frame
+def write_table_and_plot(
+    outputs: TrackOutputs, exported: Exported, name: str, fps: float | None, *, in_frames: bool
+) -> None:
+    """Write the table and the plot of the track of a recording, where they are asked for."""
+    if outputs.out is not None:
+        made_by = {"command": command_line(), "recording": name, "fps": fps}
+        exported.save(outputs.out, made_by)
+    if outputs.plot is not None:
+        from geotlm_lm.track.plot import write_plot
+
+        write_plot(outputs.plot, exported, in_frames=in_frames)
+
+
+def _write_film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
+    from geotlm_lm.recordings.read import each_frame
     from geotlm_lm.track.film import write_film
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
@@ -149,15 +151,36 @@ def _log(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) ->
         log_track(stream, exported, clip, **reading)
 
 
-def table(exported: Exported, *, in_frames: bool) -> list[str]:
-    """Return the events of a track as lines of a table, and what they come to.
+def event_line(event: Event, units: Units, *, in_frames: bool = False) -> str:
+    """Return an event as a line of a table whose first is `aligned(HEAD)`."""
+    from geotlm_lm.track.drawing import band_of
 
-    Args:
-        exported: The track.
-        in_frames: Whether to tell frame numbers instead of seconds.
-    """
-    events = exported.track.events
-    if not events:
-        return [NO_EVENTS]
-    lines = [event_line(one, exported.units, in_frames=in_frames) for one in events]
-    return [aligned(HEAD), *lines, "", *totals_lines(exported)]
+    ends = (event.begin, event.end) if in_frames else (event.begin_s, event.end_s)
+    begin, end = (f"{number}" if in_frames else f"{number:.2f} s" for number in ends)
+    band, far, likely = band_of(event, units), "", ""
+    if band.unit:
+        decimals = {"px": 1, "mm": 2}.get(band.unit, 0)
+        far = f"{band.amount:.{decimals}f} {band.unit}"
+        likely = f"{band.low:.{decimals}f} to {band.high:.{decimals}f}"
+    return aligned((begin, end, band.name, far, likely, f"{event.probability:.2f}"))
+
+
+def aligned(cells: tuple[str, ...]) -> str:
+    """Return one line of the table; its columns are as wide wherever it is printed."""
+    begin, end, *others = cells
+    columns = (f"{begin:>9}", f"{end:>9}", *map(str.ljust, others, WIDTHS))
+    return "  ".join(columns).rstrip()
+
+
+def totals_lines(exported: Exported) -> list[str]:
+    """Return what a whole track comes to, in two sentences."""
+    totals, unit = exported.totals(), exported.units.name
+    turn, way = totals["turn_net"], totals["turn_in_all"]
+    slide, far = totals["slide_net"], totals["slide_in_all"]
+    sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
+    return [
+        f"Turned by {abs(turn['amount']):.0f} degrees {sense} from first to last, "
+        f"{way['amount']:.0f} there and back.",
+        f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there and "
+        f"back; touched for {totals['touched_s']:.2f} s.",
+    ]

@@ -10,6 +10,7 @@ import typer
 
 from geotlm_lm.cli.options import Seed, path_option, require_writable
 from geotlm_lm.cli.progress import progress_on_stderr
+from geotlm_lm.core.files import training_templates
 
 
 def train(
@@ -41,6 +42,7 @@ def train(
 
     settings = preset_named(preset)
     require_writable(out, "--out")
+    training_templates()  # an installed package has none: said before hours of simulation
     from geotlm_lm.training.ranks import is_first_of_launch
     from geotlm_lm.training.train import train as train_bundle
 

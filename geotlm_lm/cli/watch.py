@@ -2,38 +2,54 @@
 
 from __future__ import annotations
 
+import json
+import math
 import sys
-from typing import Annotated, Any
+import time
+from collections import deque
+from collections.abc import Callable, Sequence
+from contextlib import closing, nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from geotlm_lm.cli.grouped import Answering, grouped
-from geotlm_lm.cli.options import (
-    Force,
-    FramesPerSecond,
-    LayoutName,
-    SquarePixels,
-    TopicName,
-    path_of,
+from geotlm_lm.cli.grouped import Answering, Pixels, Positional, TrackOutputs, grouped
+from geotlm_lm.cli.options import path_of
+from geotlm_lm.cli.track import (
+    HEAD,
+    INTERRUPTED,
+    NO_EVENTS,
+    aligned,
+    event_line,
+    totals_lines,
+    write_table_and_plot,
 )
-from geotlm_lm.cli.tracked import INTERRUPTED, OutFile, PlotFile, Targets, VideoFile
-from geotlm_lm.core.errors import GeoTLMError, UsageError
-from geotlm_lm.core.question import check_question
+from geotlm_lm.core.errors import GeoTLMError, UnreadableClip, UsageError, check_question
+from geotlm_lm.core.process import uninterrupted_step
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer
+    from geotlm_lm.core.clip import Frames
+    from geotlm_lm.recordings.streams import StreamFrame
+    from geotlm_lm.track.events import Event
+    from geotlm_lm.track.export import Exported, Units
+
+KEPT_FRAMES, APART_S, JITTER_S = 64, 0.08, 0.002
+"""Frames kept for a question about a motion that is over: 15 MB at 320x240. At least so far apart,
+they reach back over 5 s; one that is a little early still counts as on time."""
 
 
 @grouped
 def watch(
     *,
     source: Annotated[
-        str, typer.Option(help="A camera's number, its device file, or a recording.")
+        str, Positional("--source", "SOURCE", "A camera's number, its device file, or a recording.")
     ],
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one JSON object a line, the account last.")
     ] = False,
-    out: OutFile = None,
-    plot: PlotFile = None,
-    video: VideoFile = None,
-    force: Force = False,
+    outputs: TrackOutputs,
     question: Annotated[
         str | None,
         typer.Option("--q", help="Ask the language model this about every motion that ends."),
@@ -42,10 +58,7 @@ def watch(
         bool,
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
-    layout: LayoutName = None,
-    square_pixels: SquarePixels = None,
-    topic: TopicName = None,
-    fps: FramesPerSecond = None,
+    pixels: Pixels,
     stalled_after: Annotated[
         float,
         typer.Option(
@@ -61,48 +74,174 @@ def watch(
     The gel must be untouched at the start, or for half a second later on. Directions are told as
     seen in the camera image, for the object relative to the sensor.
 
-    Example: geotlm-lm watch --source recording.avi --json
+    Example: geotlm-lm watch recording.avi --json
     """
     if question is not None:
         check_question(question)
-    targets = Targets(out, plot, video)
-    targets.require([path_of(source)], is_forced=force)
+    outputs.require([path_of(source)])
     if not stalled_after > 0:
         raise UsageError(
             f"--stalled-after {stalled_after:g} was given, expected more than 0 seconds; leave it "
             f"out for 10, or give inf to wait without end."
         )
-    from geotlm_lm.recordings.latest_frames import Patience
-    from geotlm_lm.recordings.streams import open_source
+    from geotlm_lm.recordings.streams import Patience, open_source
 
     def silent(seconds: float) -> None:
         print(f"note: No frame of {source} for {seconds:g} s.", file=sys.stderr, flush=True)
 
-    scale = answering.frame.mm_per_px
-    reading = {"fps": fps, "layout": layout, "square_pixels": square_pixels, "topic": topic}
-    patience = Patience(stalled_after, silent)
-    stream = open_source(source, at_its_rate=at_its_rate, patience=patience, **reading)
+    scale, patience = answering.frame.mm_per_px, Patience(stalled_after, silent)
+    stream = open_source(source, at_its_rate=at_its_rate, patience=patience, **vars(pixels))
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
-    from geotlm_lm.cli.watching import Watching
     from geotlm_lm.track.export import Exported
 
     answerer = answering.load()
-    _tell_source(source, stream)
+    assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
+    rate = f"{source} at {stream.fps:g} frames per second{assumed}."
+    for note in (rate, *stream.notes):
+        print(f"note: {note}", file=sys.stderr)
     watching = Watching(answerer, stream, question, scale, as_json=as_json)
-    ended = watching.follow(video, is_square=bool(square_pixels))
+    ended = watching.follow(outputs.video, is_square=bool(pixels.square_pixels))
     exported = Exported(watching.tracker.finish(), scale)
     watching.conclude(exported)
     if len(exported.track):
-        targets.write(exported, stream.name, stream.fps, in_frames=False)
+        write_table_and_plot(outputs, exported, stream.name, stream.fps, in_frames=False)
     if isinstance(ended, GeoTLMError):
         raise ended
     if ended is not None:
         raise typer.Exit(INTERRUPTED)
 
 
-def _tell_source(source: str, stream: Any) -> None:
-    assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
-    rate = f"{source} at {stream.fps:g} frames per second{assumed}."
-    for note in (rate, *stream.notes):
-        print(f"note: {note}", file=sys.stderr)
+class Watching:
+    """Follows one stream to its end and prints what happens as it is over.
+
+    The question is asked about every motion that ends; None asks none.
+    """
+
+    def __init__(
+        self,
+        answerer: Answerer,
+        stream: Any,
+        question: str | None,
+        mm_per_px: float | None,
+        *,
+        as_json: bool,
+    ) -> None:
+        from geotlm_lm.recordings.streams import StuckPicture
+
+        self._answerer, self._stream, self._question = answerer, stream, question
+        self._mm_per_px, self._as_json = mm_per_px, as_json
+        self.tracker = answerer.tracker()
+        self._recent: deque[tuple[StreamFrame, Frames]] = deque(maxlen=KEPT_FRAMES)
+        self._printed: list[Event] = []
+        self._shown: list[Event] = []
+        self._shown_s = -math.inf
+        self._frames, self._busy_s = 0, 0.0
+        self._stuck = StuckPicture() if stream.is_live else None
+
+    def follow(self, video: Path | None, *, is_square: bool) -> BaseException | None:
+        """Track the stream, and draw it to a video; return what ended it early, if anything did.
+
+        Args:
+            video: The file, if any.
+            is_square: Whether the camera's picture is square where its frames are of 224 x 224.
+        """
+        from geotlm_lm.recordings.pixels import with_square_pixels
+        from geotlm_lm.track.export import Units
+        from geotlm_lm.track.film import filming
+
+        film = nullcontext() if video is None else filming(video, self._stream.fps)
+        # Closed even where nobody reads on: a camera's thread must not outlive the command.
+        with film as write, closing(iter(self._stream)) as frames:
+            try:
+                for frame in frames:
+                    image = with_square_pixels(frame.image) if is_square else frame.image
+                    units = Units(image.shape[:2], self._mm_per_px)
+                    with uninterrupted_step():
+                        events = self._take(image, frame)
+                        if write is not None:
+                            self._film(image, frame.time_s, events, units, write)
+                    self._print(events, units)
+            except (KeyboardInterrupt, GeoTLMError) as error:
+                return error
+        return None
+
+    def conclude(self, exported: Exported) -> None:
+        """Print the events that the end cuts off, what it all comes to, and how it was kept up."""
+        printed = set(map(id, self._printed))
+        rest = [event for event in exported.track.events if id(event) not in printed]
+        self._print(rest, exported.units)
+        frames, dropped = self._frames, self._stream.dropped
+        frame_ms = round(1e3 * self._busy_s / max(frames, 1), 2)
+        if self._as_json:
+            account = {"frames": frames, "dropped": dropped, "frame_ms": frame_ms}
+            whole = {"totals": exported.totals(), "notes": list(exported.track.notes)}
+            print(json.dumps({"type": "account"} | account | whole), flush=True)
+            return
+        lines = ["", *totals_lines(exported)] if self._printed else [NO_EVENTS]
+        print("\n".join(lines), flush=True)
+        lost = f"{dropped} dropped" if dropped else "none dropped"
+        account = f"{frames} frames, {lost}; each tracked in {frame_ms:.1f} ms."
+        for note in (*exported.track.notes, account):
+            print(f"note: {note}", file=sys.stderr)
+
+    def _take(self, image: Frames, frame: StreamFrame) -> list[Event]:
+        stuck = self._stuck and self._stuck.after(image, frame.time_s)
+        if stuck:
+            print(f"note: {stuck}", file=sys.stderr, flush=True)
+        started = time.perf_counter()
+        events = self.tracker.feed(image, frame.time_s, frame.number)
+        self._busy_s += time.perf_counter() - started
+        self._frames += 1
+        last_s = self._recent[-1][0].time_s if self._recent else -math.inf
+        if self._question is not None and frame.time_s - last_s >= APART_S - JITTER_S:
+            self._recent.append((frame, image))
+        return events
+
+    def _film(
+        self,
+        image: Frames,
+        time_s: float,
+        events: list[Event],
+        units: Units,
+        write: Callable[[Frames], None],
+    ) -> None:
+        from geotlm_lm.track.drawing import CAPTION_S, band_of, mark_of
+        from geotlm_lm.track.film import draw_mark
+
+        if events or time_s - self._shown_s > CAPTION_S:
+            self._shown, self._shown_s = events, time_s
+        bands = [band_of(event, units) for event in self._shown]
+        write(draw_mark(image, mark_of(self.tracker.way, units, time_s, bands)))
+
+    def _print(self, events: Sequence[Event], units: Units) -> None:
+        for event in events:
+            words = self._words(event)
+            if self._as_json:
+                plain = {"type": "event"} | units.event(event)
+                line = json.dumps(plain | ({} if words is None else {"answer": words}))
+            else:
+                line = event_line(event, units) + (f"  {words}" if words else "")
+                line = line if self._printed else f"{aligned(HEAD)}\n{line}"
+            print(line, flush=True)
+            self._printed.append(event)
+
+    def _words(self, event: Event) -> str | None:
+        """Return the answer about a motion that is over; None of what is none or not kept."""
+        import numpy as np
+
+        from geotlm_lm.core.clip import Clip
+
+        is_motion = event.component is not None and event.kind.value != "slip"
+        kept = [(frame.number, image) for frame, image in self._recent
+                if event.begin <= frame.number <= event.end]  # fmt: skip
+        if not is_motion or event.begin == event.end or len(kept) < 2:
+            return None
+        numbers, images = zip(*kept, strict=True)
+        name = f"the {event.kind.value} of the stream"
+        clip = Clip(np.stack(images), self._stream.fps, self.tracker.idle, name, numbers)
+        part = self.tracker.so_far.between(event.begin, event.end)
+        try:
+            return self._answerer.ask(self._answerer.encode(clip, track=part), self._question).text
+        except UnreadableClip as error:
+            return f"I cannot read this motion's frames: {error}"

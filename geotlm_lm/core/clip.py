@@ -114,12 +114,7 @@ class Clip:
         return self.fps is not None or bool(self.times_s)
 
     def second_of(self, number: int, assumed_fps: float) -> float:
-        """Return when a frame of the recording was taken, seconds from its first one on.
-
-        Args:
-            number: Of the frame, as `frame_numbers` count.
-            assumed_fps: Frames per second where nothing tells them.
-        """
+        """Return when a frame was taken, s from the first; by `assumed_fps` where it is unknown."""
         step_s = 1 / (self.fps or assumed_fps)
         if not self.times_s:
             return number * step_s
@@ -144,11 +139,7 @@ class Clip:
 
 
 def require_number(fps: object) -> None:
-    """Refuse a frame rate that is no number; None is none.
-
-    Raises:
-        TypeError: If it is something else, such as text.
-    """
+    """Refuse a frame rate that is no number; None is none."""
     is_scalar = isinstance(fps, np.ndarray) and fps.ndim == 0  # as an archive holds it
     if fps is not None and not is_scalar and not isinstance(fps, Real):
         raise TypeError(

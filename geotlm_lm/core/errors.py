@@ -1,4 +1,4 @@
-"""Errors a user can repair: one sentence, and the exit code the command line gives it."""
+"""Errors a user can repair, each one sentence with an exit code; checks of what a user asks for."""
 
 LONGEST_MESSAGE = 3000
 """Characters of a sentence: the longest lawful one names every shape, in 1,800."""
@@ -9,9 +9,6 @@ class GeoTLMError(Exception):
 
     Names and values that a file or a person chose stand in the sentence, so it is kept to one line
     of printable characters whatever these hold, and to a length; its end says what to do.
-
-    Args:
-        message: The sentence.
     """
 
     exit_code = 1
@@ -87,3 +84,30 @@ class IncompatibleWeights(IncompatibleBundle):
 def first_line(error: Exception) -> str:
     """Return the first line of what an error of another library says, or else what it is."""
     return next(iter(str(error).strip().splitlines()), type(error).__name__)
+
+
+def require_inside(first: int, last: int, lowest: int, highest: int) -> None:
+    """Refuse a span that runs backwards or leaves the recording; nothing is clamped."""
+    if not lowest <= first < last <= highest:
+        raise UsageError(
+            f"Frames {first}:{last} were asked for, expected FIRST < LAST within "
+            f"{lowest}:{highest}; give frame numbers inside the recording."
+        )
+
+
+OPEN_QUESTION = "Which way is it moving?"
+
+
+def check_question(question: object) -> str:
+    """Return a question without the white space around it; refuse an empty one, and no text."""
+    if not isinstance(question, str):
+        raise TypeError(
+            f"a question is a text, found {type(question).__name__}; give one such as "
+            f"'{OPEN_QUESTION}'"
+        )
+    if not question.strip():
+        raise UsageError(f"The question is empty; ask something like '{OPEN_QUESTION}'.")
+    # Bytes that a terminal could not decode arrive as lone surrogates, which no tokenizer takes.
+    if any("\ud800" <= letter <= "\udfff" for letter in question):
+        raise UsageError("The question holds bytes that are no text; give it in UTF-8.")
+    return question.strip()

@@ -48,10 +48,6 @@ def camera_size(rows: int, columns: int) -> tuple[int, int]:
 
     A camera's pixels are square. Pictures that come as our square were squashed from a camera of
     four to three, as the simulator's are; others are as the camera took them.
-
-    Args:
-        rows: Height of the picture as it came, pixels.
-        columns: Width.
     """
     return CAMERA_PX if (rows, columns) == (IMAGE_SIDE, IMAGE_SIDE) else (rows, columns)
 
@@ -62,10 +58,6 @@ def filled_size(rows: int, columns: int) -> tuple[int, int]:
     The square stands for a camera of four to three. A turn looks like another motion in pixels of
     another shape: of 271 real turns cut to 240 x 240 and recorded a quarter turned the words named
     231 stretched over the square, 253 in their own shape.
-
-    Args:
-        rows: Height of the picture as it came, pixels.
-        columns: Width.
     """
     camera_rows, camera_columns = camera_size(rows, columns)
     wider = camera_columns / camera_rows / (CAMERA_PX[1] / CAMERA_PX[0])
@@ -78,12 +70,7 @@ def filled_size(rows: int, columns: int) -> tuple[int, int]:
 
 
 def pixel_aspect(rows: int, columns: int) -> float:
-    """Return the width of a pixel over its height, on the gel, in a picture brought to our square.
-
-    Args:
-        rows: Height of the picture as it came, pixels.
-        columns: Width.
-    """
+    """Return the width of a pixel of our square over its height, on the gel."""
     filled_rows, filled_columns = filled_size(rows, columns)
     rows, columns = camera_size(rows, columns)
     return columns / filled_columns / (rows / filled_rows)
@@ -92,15 +79,12 @@ def pixel_aspect(rows: int, columns: int) -> float:
 def travel_scale(
     rows: int, columns: int, mm_per_px: float | None = None
 ) -> tuple[str, tuple[float, float]]:
-    """Return the unit slides are told in, and what a pixel of our square is of it.
+    """Return "px" or "mm", and the lengths in it of a pixel of our square across and down.
 
     Args:
         rows: Height of the picture as it came, pixels.
         columns: Width.
-        mm_per_px: Width on the gel of a pixel of that picture; None tells slides in its pixels.
-
-    Returns:
-        "px" or "mm", and the lengths of a pixel of ours across and down.
+        mm_per_px: Width on the gel of a pixel of that picture; None measures in its pixels.
     """
     filled_rows, filled_columns = filled_size(rows, columns)
     across, down = columns / filled_columns, rows / filled_rows

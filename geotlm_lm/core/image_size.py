@@ -19,14 +19,7 @@ _COLUMNS_TAG, _ROWS_TAG = 256, 257
 
 
 def declared_size(stored: bytes) -> tuple[int, int] | None:
-    """Return (rows, columns) as the header of a PNG, BMP, JPEG, WebP or TIFF gives them.
-
-    Args:
-        stored: The whole file.
-
-    Returns:
-        None where it is no such file, or cut off before its size.
-    """
+    """Return (rows, columns) by the header of a PNG, BMP, JPEG, WebP or TIFF; None without one."""
     if stored.startswith(_TIFF):
         return next(iter(page_sizes(BytesIO(stored), most=1)), None)
     image = _opened(stored)

@@ -54,47 +54,10 @@ _CLASS_OF = {
     Motion.NONE: MotionClass.NONE,
 }
 
-_MIRRORED = {
-    Motion.CLOCKWISE: Motion.COUNTERCLOCKWISE,
-    Motion.COUNTERCLOCKWISE: Motion.CLOCKWISE,
-    Motion.LEFT: Motion.RIGHT,
-    Motion.RIGHT: Motion.LEFT,
-}
-
-_REVERSED = {
-    **_MIRRORED,
-    Motion.UP: Motion.DOWN,
-    Motion.DOWN: Motion.UP,
-    Motion.PRESS: Motion.RELEASE,
-    Motion.RELEASE: Motion.PRESS,
-}
-
-_QUARTER_TURNED = {
-    Motion.RIGHT: Motion.UP,
-    Motion.UP: Motion.LEFT,
-    Motion.LEFT: Motion.DOWN,
-    Motion.DOWN: Motion.RIGHT,
-}
-
 
 def motion_class(motion: Motion) -> MotionClass:
     """Return the kind of `motion`."""
     return _CLASS_OF[motion]
-
-
-def mirror(motion: Motion) -> Motion:
-    """Return the motion seen when the image is flipped left to right."""
-    return _MIRRORED.get(motion, motion)
-
-
-def reverse(motion: Motion) -> Motion:
-    """Return the motion seen when the clip is played backwards."""
-    return _REVERSED.get(motion, motion)
-
-
-def turn_by_quarter(motion: Motion) -> Motion:
-    """Return the motion seen when the image is turned by a quarter counterclockwise."""
-    return _QUARTER_TURNED.get(motion, motion)
 
 
 def signed_amount(

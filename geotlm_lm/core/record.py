@@ -11,8 +11,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.files import write_text_atomically
 
 RECORD_FORMAT = 1
 
@@ -51,11 +51,7 @@ class RunRecord:
 
     @classmethod
     def load(cls, path: Path) -> RunRecord:
-        """Read a record written by `save`.
-
-        Raises:
-            UnreadableRecord: If it is no such file.
-        """
+        """Read a record written by `save`."""
         try:
             return cls(**json.loads(path.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError, RecursionError) as error:

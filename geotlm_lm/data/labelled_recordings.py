@@ -63,9 +63,9 @@ class WindowRow:
 
     Args:
         path: The recording.
-        first_frame: First frame of the window, counted from 0.
-        last_frame: Last frame of the window, included.
-        motion: The motion, as displayed.
+        first_frame: Counted from 0.
+        last_frame: Included.
+        motion: As displayed.
         object_id: What is touched; the file's name without its ending when the table is silent.
         object_family: Objects that belong together when clips are split; else `object_id`.
         values: The row as it stands in the table.
@@ -98,18 +98,13 @@ class LabelledWindow:
     is_backwards: bool
     row: WindowRow
 
-    @property
-    def object_id(self) -> str:
-        """What is touched."""
-        return self.row.object_id
-
 
 @dataclass(frozen=True, eq=False)
 class LabelledRecordings:
     """The labelled windows of one folder.
 
     Args:
-        folder: The folder that holds the table.
+        folder: Holds the tables.
         rows: Usable rows, in the order of the tables.
         skipped: How many rows were left out, by the word that stands for their direction.
     """
@@ -124,16 +119,13 @@ class LabelledRecordings:
         """Cut the windows, decoding each recording once.
 
         Args:
-            frames: Which choices of frames to cut from each window.
+            frames: Which frames to cut from each window: "four" evenly from the first to the last;
+                "pair": the first and the one `PAIR_DISTANCE` later (or the last), each twice.
             backwards: Whether each window is also played backwards, with the reversed label.
 
         Raises:
             UnreadableClip: If a recording cannot be read or is shorter than a row says.
-            UsageError: If `frames` names an unknown choice.
         """
-        unknown = set(frames) - {"four", "pair"}
-        if unknown or not frames:
-            raise UsageError(f"frames: found {sorted(unknown) or 'none'}, expected four or pair.")
         by_path: dict[Path, list[WindowRow]] = {}
         for row in self.rows:
             by_path.setdefault(row.path, []).append(row)
@@ -156,48 +148,34 @@ def find_labelled_recordings(folder: str | Path) -> list[LabelledRecordings]:
             f"{folder}: no such folder; expected recordings and a CSV table of labelled windows."
         )
     own = _read_folder(folder)
-    inside = [own] if own else [_read_folder(one) for one in sorted(folder.iterdir())]
-    found = [one for one in inside if one is not None]
-    if not found:
+    folders = [inside for inside in sorted(folder.iterdir()) if inside.is_dir()]
+    inside = [own] if own else map(_read_folder, folders)
+    labelled = [recordings for recordings in inside if recordings is not None]
+    if not labelled:
         raise UnreadableClip(
             f"{folder}: found no CSV table with the columns clip, first_frame, last_frame and "
             f"direction, separated by commas, neither here nor in the folders inside; write one "
             f"row per motion."
         )
-    return found
-
-
-def choose_window(recording: Clip, row: WindowRow, frames: FrameChoice) -> Clip:
-    """Return the four frames that stand for a window.
-
-    Args:
-        recording: The whole recording.
-        row: The window.
-        frames: "four": evenly from the first to the last; "pair": the first frame and the one
-            `PAIR_DISTANCE` later (or the window's last), each twice.
-
-    Raises:
-        UnreadableClip: If the recording ends before the window does.
-    """
-    if row.last_frame >= len(recording):
-        raise UnreadableClip(
-            f"{row.path}: the table names frame {row.last_frame}, the recording holds frames 0 to "
-            f"{len(recording) - 1}; correct last_frame."
-        )
-    if frames == "pair":
-        late = min(row.first_frame + PAIR_DISTANCE, row.last_frame)
-        numbers = [row.first_frame, row.first_frame, late, late]
-    else:
-        numbers = np.linspace(row.first_frame, row.last_frame, FRAME_COUNT).round().astype(int)
-    clip = recording.select([int(number) for number in numbers])
-    return replace(clip, name=f"{row.path.name}[{row.first_frame}:{row.last_frame}]")
+    return labelled
 
 
 def _cut(
     recording: Clip, row: WindowRow, frames: Sequence[FrameChoice], backwards: bool
 ) -> Iterator[LabelledWindow]:
+    first, last = row.first_frame, row.last_frame
+    if last >= len(recording):
+        raise UnreadableClip(
+            f"{row.path}: the table names frame {last}, the recording holds frames 0 to "
+            f"{len(recording) - 1}; correct last_frame."
+        )
     for choice in frames:
-        clip = choose_window(recording, row, choice)
+        if choice == "pair":
+            late = min(first + PAIR_DISTANCE, last)
+            numbers = [first, first, late, late]
+        else:
+            numbers = np.linspace(first, last, FRAME_COUNT).round().astype(int).tolist()
+        clip = replace(recording.select(numbers), name=f"{row.path.name}[{first}:{last}]")
         yield LabelledWindow(clip, row.motion, choice, False, row)
         if backwards:
             yield LabelledWindow(clip.reversed(), opposite(row.motion), choice, True, row)
@@ -219,55 +197,49 @@ def _with_background(recording: Clip) -> Clip:
 
 
 def _read_folder(folder: Path) -> LabelledRecordings | None:
-    if not folder.is_dir():
-        return None
+    """Return the windows of a folder's tables; None where no table is one of windows."""
     rows: list[WindowRow] = []
     skipped: Counter[str] = Counter()
     is_labelled = False
     for table in sorted(folder.glob("*.csv")):
-        # A letter in another encoding then spoils its own row, which is named, not the whole table.
-        with table.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
-            reader = csv.DictReader(stream)
-            try:
-                is_labelled |= _read_table(folder, table, reader, rows, skipped)
-            except csv.Error as error:
-                raise UnreadableClip(
-                    f"{table}: is no table ({error} in line {reader.line_num}); save it as CSV "
-                    f"again, or take it away."
-                ) from error
+        columns, lines = csv_lines(table, "save it as CSV again, or take it away")
+        direction = next((name for name in DIRECTION_COLUMNS if name in columns), None)
+        if direction is None or any(name not in columns for name in REQUIRED_COLUMNS):
+            continue
+        is_labelled = True
+        for line, values in lines:
+            word = values[direction].strip().lower()
+            motion = OTHER_WORDS.get(word) or (Motion(word) if word in set(Motion) else None)
+            if motion is None:
+                skipped[word or "(empty)"] += 1
+            else:
+                rows.append(_read_row(folder, f"{table}:{line}", values, motion))
     return LabelledRecordings(folder, tuple(rows), skipped) if is_labelled else None
 
 
-def _read_table(
-    folder: Path,
-    table: Path,
-    reader: csv.DictReader,
-    rows: list[WindowRow],
-    skipped: Counter[str],
-) -> bool:
-    """Add a table's windows to `rows`; return whether it is a table of windows at all."""
-    columns = reader.fieldnames or ()
-    direction = next((name for name in DIRECTION_COLUMNS if name in columns), None)
-    if direction is None or any(name not in columns for name in REQUIRED_COLUMNS):
-        return False
-    for values in reader:
-        word = (values[direction] or "").strip().lower()
-        motion = _motion_of(word)
-        if motion is None:
-            skipped[word or "(empty)"] += 1
-        else:
-            rows.append(_read_row(folder, f"{table}:{reader.line_num}", values, motion))
-    return True
+def csv_lines(path: Path, advice: str) -> tuple[Sequence[str], list[tuple[int, dict[str, str]]]]:
+    """Return the columns of a CSV table, and each row with its line; cells that lack are empty.
 
+    Args:
+        path: Of the table. A letter in another encoding spoils its own row, which is named.
+        advice: What the user can do about a file that is none.
 
-def _motion_of(word: str) -> Motion | None:
-    if word in OTHER_WORDS:
-        return OTHER_WORDS[word]
-    return Motion(word) if word in set(Motion) else None
+    Raises:
+        UnreadableClip: If it is none.
+    """
+    with path.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
+        reader = csv.DictReader(stream, restval="")
+        try:
+            lines = [(reader.line_num, values) for values in reader]
+        except csv.Error as error:
+            raise UnreadableClip(
+                f"{path}: is no table ({error} in line {reader.line_num}); {advice}."
+            ) from error
+        return reader.fieldnames or (), lines
 
 
 def _read_row(folder: Path, where: str, values: dict[str, str], motion: Motion) -> WindowRow:
-    name = (values["clip"] or "").strip()
+    name = values["clip"].strip()
     path = next((p for p in (folder / name, folder / "clips" / name) if p.exists()), None)
     if not name or path is None:
         raise UnreadableClip(
@@ -275,13 +247,17 @@ def _read_row(folder: Path, where: str, values: dict[str, str], motion: Motion) 
         )
     try:
         first, last = int(values["first_frame"]), int(values["last_frame"])
-    except (TypeError, ValueError):
+    except ValueError:
         first, last = 0, 0
     if not 0 <= first < last:
         raise UsageError(
             f"{where}: found first_frame {values['first_frame']!r} and last_frame "
             f"{values['last_frame']!r}, expected whole numbers from 0, the first below the last."
         )
+    return WindowRow(path, first, last, motion, *object_of(path, values), dict(values))
+
+
+def object_of(path: Path, values: dict[str, str]) -> tuple[str, str]:
+    """Return what is touched, after the file where the table is silent, and its family."""
     object_id = (values.get("object") or "").strip() or path.stem
-    family = (values.get("object_family") or "").strip() or object_id
-    return WindowRow(path, first, last, motion, object_id, family, dict(values))
+    return object_id, (values.get("object_family") or "").strip() or object_id

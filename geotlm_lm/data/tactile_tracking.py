@@ -1,21 +1,29 @@
-"""TactileTracking: trials of a tracked GelSight Mini, read from the folders its authors release.
+"""TactileTracking: trials of a tracked GelSight Mini, and the pairs of frames that get a label.
 
 Joe Huang's data set (huggingface.co/datasets/joehjhuang/TactileTracking, MIT): 12 objects, 7 trials
 each, folders named avocado0, avocado1, ... with
 
     gelsight.avi              n frames, markerless, 320 x 240; gelsight.mp4 in older releases
-    true_start_T_currs.npy    (n, 4, 4) poses of the sensor by motion capture, see `pose_pairs`
+    true_start_T_currs.npy    (n, 4, 4) poses of the sensor by motion capture
     contact_masks.npy         (n, rows, columns) contact, found in the images by its authors
     gradient_maps.npy         (n, rows, columns, 2), not needed; its length is checked where it is
 
-There is no untouched frame and no background. Knows files, not which pairs of frames get a label.
+A pose T_i is start_T_curr: it takes coordinates in the sensor's frame at frame i to its frame at
+the start, in metres; the sensor's frame has its origin at the image's middle on the gel, x right,
+y down, z into the object. The labels of a pair name the motion of the OBJECT in the image, which is
+the sensor's own motion the other way round.
+
+No frame shows the untouched gel, but contact masks say where it is untouched: each pixel's median
+over such frames, of all trials, is the idle gel.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -23,10 +31,12 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.data.idle_from_masks import IdleGel, MaskedFrames, idle_from_masks
-from geotlm_lm.data.pose_pairs import LabelledPair, Poses
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, signed_amount
 from geotlm_lm.recordings.arrays import map_array
+from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.recordings.read import read_clip
+
+Poses = NDArray[np.float64]
 
 POSES, MASKS, GRADIENTS = "true_start_T_currs.npy", "contact_masks.npy", "gradient_maps.npy"
 OLD_POSES = "true_transforms.npy"
@@ -45,6 +55,14 @@ RIGID_TOLERANCE = 1e-2
 """Largest error of a rotation matrix times its transpose; stored poses are float32 or better."""
 
 
+MARGIN_SHARE = 0.04
+"""Margin around a contact that does not count as untouched, relative to the image's width: the gel
+bends beside what touches it, and NormalFlow's masks are eroded."""
+
+ROWS_AT_ONCE = 16
+"""Rows of the image that are worked on together: bounds memory with thousands of frames."""
+
+
 @dataclass(frozen=True, eq=False)
 class Trial:
     """One trial; everything but its frames is in memory.
@@ -53,11 +71,11 @@ class Trial:
         folder: Where it lies.
         object_id: The folder's name without its number.
         video: The recording.
-        poses: (n, 4, 4), see `pose_pairs`; metres.
-        contact_px: Pixels in contact, (n,).
-        centres_px: Middle of the largest contact, (n, 2), column and row.
+        poses: Shape (n, 4, 4), metres.
+        contact_px: Pixels in contact, shape (n,).
+        centres_px: Column and row of the middle of the largest contact, shape (n, 2).
         size_px: Rows and columns of a frame.
-        background: The estimated idle gel, uint8, (rows, columns, 3).
+        background: The estimated idle gel, uint8, shape (rows, columns, 3).
     """
 
     folder: Path
@@ -81,19 +99,15 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class TactileTracking:
-    """The trials of one folder.
+    """The usable trials of one folder by name, and why others are not.
 
     Args:
-        folder: That folder.
-        trials: Usable trials, by name.
         left_out: Folder name -> the sentence that says why it cannot be used.
-        gel: The idle gel all trials share.
     """
 
     folder: Path
     trials: tuple[Trial, ...]
     left_out: dict[str, str] = field(default_factory=dict)
-    gel: IdleGel | None = None
 
 
 def is_tactile_tracking(folder: Path) -> bool:
@@ -110,30 +124,30 @@ def read_tactile_tracking(folder: str | Path) -> TactileTracking:
         UnreadableClip: If there is no trial, or none can be used.
     """
     folder = Path(folder)
-    found, samples = [], []
+    trials, samples = [], []
     left_out: dict[str, str] = {}
     for path in _trial_folders(folder):
         try:
             trial, sampled = _read_trial(path)
-            if found and trial.size_px != found[0].size_px:
+            if trials and trial.size_px != trials[0].size_px:
                 raise UnreadableClip(
                     f"{path}: frames are {_size(trial.size_px)} pixels, those of "
-                    f"{found[0].folder.name} {_size(found[0].size_px)}; export all at one size."
+                    f"{trials[0].folder.name} {_size(trials[0].size_px)}; export all at one size."
                 )
         except (UnreadableClip, OSError) as error:
             left_out[path.name] = str(error)
         else:
-            found.append(trial)
+            trials.append(trial)
             samples.append(sampled)
-    if not found:
+    if not trials:
         why = next(iter(left_out.values()), "no folder in it holds poses")
         raise UnreadableClip(
             f"{folder}: found no trial that can be used, expected folders with {VIDEOS[0]}, "
             f"{POSES} and {MASKS}; the first reason: {why}"
         )
-    gel = idle_from_masks(samples)
-    trials = tuple(replace(trial, background=gel.of(k)) for k, trial in enumerate(found))
-    return TactileTracking(folder, trials, left_out, gel)
+    with_idle = zip(trials, idle_gels(samples), strict=True)
+    usable = tuple(replace(trial, background=idle) for trial, idle in with_idle)
+    return TactileTracking(folder, usable, left_out)
 
 
 def pair_clip(recording: Clip, trial: Trial, pair: LabelledPair) -> Clip:
@@ -156,7 +170,7 @@ def _is_trial(path: Path) -> bool:
     return path.is_dir() and any((path / name).exists() for name in (POSES, OLD_POSES))
 
 
-def _read_trial(folder: Path) -> tuple[Trial, MaskedFrames]:
+def _read_trial(folder: Path) -> tuple[Trial, UntouchedFrames]:
     """Return a trial and the frames its idle gel is estimated from."""
     if not (folder / POSES).exists():
         raise UnreadableClip(
@@ -173,10 +187,10 @@ def _read_trial(folder: Path) -> tuple[Trial, MaskedFrames]:
     size = recording.frames.shape[1:3]
     _require_agreement(folder, recording, poses, masks)
     contact, centres = _contacts(masks)
-    trial = Trial(folder, _object_of(folder.name), video, poses, contact, centres, size)
+    object_id = re.sub(r"\d+$", "", folder.name) or folder.name
+    trial = Trial(folder, object_id, video, poses, contact, centres, size)
     chosen = np.unique(np.linspace(0, len(poses) - 1, SAMPLED_FRAMES).round().astype(int))
-    sampled = MaskedFrames(recording.frames[chosen], np.asarray(masks[chosen]) > 0)
-    return trial, sampled
+    return trial, (recording.frames[chosen], _untouched(np.asarray(masks[chosen]) > 0))
 
 
 def _frames_of(path: Path) -> NDArray:
@@ -247,9 +261,249 @@ def _contacts(masks: NDArray) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     return areas, centres
 
 
-def _object_of(name: str) -> str:
-    return re.sub(r"\d+$", "", name) or name
-
-
 def _size(size_px: tuple[int, int]) -> str:
     return f"{size_px[1]} x {size_px[0]}"
+
+
+@dataclass(frozen=True)
+class PairRule:
+    """Which pairs of frames get a label; the thresholds are ours, the paper names none.
+
+    Args:
+        gap_frames: Frames from the first of a pair to the second.
+        least_turn_deg: Turn from which a pair is a rotation.
+        most_aside_px: Travel of the contact that a rotation may have beside it.
+        least_slide_px: Travel of the contact from which a pair is a slide.
+        most_aside_deg: Turn that a slide may have beside it.
+        least_purity: Share of a slide's travel that must go along its axis; 0.92 is 23 degrees off.
+        most_tilt_deg: Turn out of the image plane above which a pair is left out.
+        most_lift_mm: Travel along the gel's normal above which it is.
+        least_contact_px: Contact below which it is; NormalFlow's own least.
+    """
+
+    gap_frames: int = 10
+    least_turn_deg: float = 5.0
+    most_aside_px: float = 10.0
+    least_slide_px: float = 10.0
+    most_aside_deg: float = 5.0
+    least_purity: float = 0.92
+    most_tilt_deg: float = 5.0
+    most_lift_mm: float = 0.5
+    least_contact_px: int = 500
+
+
+GAPS_FRAMES = (5, 10, 15, 20, 25)
+LEAST_TURNS_DEG = (2.0, 3.0, 5.0, 8.0, 12.0)
+LEAST_SLIDES_PX = (4.0, 6.0, 10.0, 15.0, 20.0)
+"""Thresholds swept: up to a second at 25 frames a second, from what a dense flow just resolves to a
+third of a large contact."""
+
+PAPER_TRIALS = 84
+PAPER_PAIRS = {"rotation": 4088, "sliding": 6400}
+"""Pairs the paper drew from the whole data set, all that it says of how it chose them."""
+
+
+@dataclass(frozen=True)
+class ImageMotion:
+    """How the object moves in the image from one frame of each pair to the other, (pairs,) each.
+
+    Args:
+        turn_deg: Turn in the image plane, positive clockwise as drawn.
+        slide_px: Travel of the contact's centre, (pairs, 2), right and down.
+        tilt_deg: Turn out of the image plane.
+        lift_mm: Travel of the contact's centre along z.
+    """
+
+    turn_deg: NDArray[np.float64]
+    slide_px: NDArray[np.float64]
+    tilt_deg: NDArray[np.float64]
+    lift_mm: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LabelledPair:
+    """Numbers of two frames of a trial, and what the object does between them.
+
+    The label rests on the turn, positive clockwise, and the travel, right and down.
+    """
+
+    first: int
+    last: int
+    motion: Motion
+    turn_deg: float
+    slide_px: tuple[float, float]
+
+
+def image_motion(
+    trial: Trial, first: NDArray[np.integer], last: NDArray[np.integer]
+) -> ImageMotion:
+    """Return how the object moves in the image from frames `first` to frames `last`.
+
+    The travel is that of the contact's centre: it is free of the lever arm by which a turn about
+    another axis carries the image's middle.
+    """
+    before, after = trial.poses[first], trial.poses[last]
+    seen = np.linalg.inv(after) @ before  # b_T_a: where a point of the object goes in the image
+    middle = (np.array(trial.size_px[::-1]) - 1) / 2
+    metres = trial.mm_per_px / 1e3
+    point = np.zeros((len(first), 4))
+    point[:, :2] = (trial.centres_px[first] - middle) * metres
+    point[:, 3] = 1
+    travel = np.einsum("nij,nj->ni", seen, point)[:, :3] - point[:, :3]
+    turn, tilt = in_plane_turn(seen[:, :3, :3])
+    return ImageMotion(turn, travel[:, :2] / metres, tilt, 1e3 * travel[:, 2])
+
+
+def in_plane_turn(
+    rotations: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the first of the extrinsic zxy angles, and the larger of the other two, in degrees.
+
+    R = R_y(c) R_x(b) R_z(a), as NormalFlow reads a pose: its second row is
+    (cos b sin a, cos b cos a, -sin b), and its last column's ends are sin c cos b and cos c cos b.
+
+    Returns:
+        a and max(|b|, |c|) of rotations (pairs, 3, 3), shape (pairs,) each; a > 0 takes x towards
+        y, clockwise as drawn.
+    """
+    a = np.arctan2(rotations[:, 1, 0], rotations[:, 1, 1])
+    b = np.arcsin(np.clip(-rotations[:, 1, 2], -1, 1))
+    c = np.arctan2(rotations[:, 0, 2], rotations[:, 2, 2])
+    return np.degrees(a), np.degrees(np.maximum(np.abs(b), np.abs(c)))
+
+
+def labelled_pairs(trial: Trial, rule: PairRule, task: str) -> list[LabelledPair]:
+    """Return every pair of a trial that `rule` takes for "rotation" or "sliding", by time."""
+    first = np.arange(len(trial.poses) - rule.gap_frames)
+    if len(first) == 0:
+        return []
+    last = first + rule.gap_frames
+    moved = image_motion(trial, first, last)
+    is_sound = (
+        (np.minimum(trial.contact_px[first], trial.contact_px[last]) >= rule.least_contact_px)
+        & (moved.tilt_deg <= rule.most_tilt_deg)
+        & (np.abs(moved.lift_mm) <= rule.most_lift_mm)
+    )
+    turn, travel = np.abs(moved.turn_deg), np.hypot(*moved.slide_px.T)
+    if task == "rotation":
+        among = ROTATIONS
+        is_task = (turn >= rule.least_turn_deg) & (travel <= rule.most_aside_px)
+    else:
+        among = SLIDES
+        is_pure = np.abs(moved.slide_px).max(axis=1) >= rule.least_purity * travel
+        is_task = (travel >= rule.least_slide_px) & (turn <= rule.most_aside_deg) & is_pure
+    pairs = []
+    for k in np.flatnonzero(is_sound & is_task):
+        turn_deg, (right, down) = float(moved.turn_deg[k]), moved.slide_px[k].tolist()
+        amounts = {
+            motion: signed_amount(motion, turn=turn_deg, right=right, down=down) for motion in among
+        }
+        motion = max(among, key=amounts.__getitem__)
+        pairs.append(LabelledPair(int(first[k]), int(last[k]), motion, turn_deg, (right, down)))
+    return pairs
+
+
+def sweep_pair_counts(trials: Sequence[Trial], rule: PairRule, task: str) -> list[dict[str, Any]]:
+    """Count the pairs of every gap and threshold, the other thresholds as `rule` has them.
+
+    Returns:
+        One row per combination: gap_frames, the least turn or travel, pairs, and pairs per label.
+    """
+    rows = []
+    for swept, threshold in _swept(rule, task):
+        motions = [pair.motion for trial in trials for pair in labelled_pairs(trial, swept, task)]
+        labels = {str(motion): motions.count(motion) for motion in Motion if motion in motions}
+        row = {"gap_frames": swept.gap_frames, "least": threshold}
+        rows.append(row | {"pairs": len(motions), "of": labels})
+    return rows
+
+
+def nearest_rule(
+    rows: Sequence[dict[str, Any]], rule: PairRule, task: str, target: float
+) -> PairRule:
+    """Return the swept rule whose number of pairs comes nearest to `target`; the first of equals.
+
+    Numbers of pairs alone decide; no method has seen a pair yet. A rule without any pair is taken
+    only where no other has one.
+    """
+    rules = [swept for swept, _ in _swept(rule, task)]
+    counts = [row["pairs"] for row in rows]
+    best = min(range(len(rules)), key=lambda k: (counts[k] == 0, abs(counts[k] - target)))
+    return rules[best]
+
+
+def _swept(rule: PairRule, task: str) -> Iterator[tuple[PairRule, float]]:
+    name, leasts = "least_slide_px", LEAST_SLIDES_PX
+    if task == "rotation":
+        name, leasts = "least_turn_deg", LEAST_TURNS_DEG
+    for gap in GAPS_FRAMES:
+        for least in leasts:
+            yield replace(rule, gap_frames=gap, **{name: least}), least
+
+
+def evenly_spaced(pairs: Sequence[LabelledPair], most: int) -> list[LabelledPair]:
+    """Return at most `most` of `pairs`, evenly through the recording."""
+    if len(pairs) <= most:
+        return list(pairs)
+    chosen = np.linspace(0, len(pairs) - 1, most).round().astype(int)
+    return [pairs[int(index)] for index in chosen]
+
+
+UntouchedFrames = tuple[Frames, NDArray[np.bool_]]
+"""Some frames of one recording, uint8, shape (t, rows, columns, 3), and where each is untouched."""
+
+
+def _untouched(touched: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where the gel is surely untouched, shape (t, rows, columns), as the masks."""
+    side = 2 * max(round(MARGIN_SHARE * touched.shape[2]), 1) + 1
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    return np.stack([cv2.dilate(mask.astype(np.uint8), kernel) == 0 for mask in touched])
+
+
+def idle_gels(recordings: Sequence[UntouchedFrames]) -> list[Frames]:
+    """Return the idle gel that all recordings share in the light of each.
+
+    Where every frame is touched, the gel is fitted to the shading.
+    """
+    gains = np.ones((len(recordings), 3), np.float32)
+    for _ in range(2):  # the second median is free of differences of light
+        image, count = _masked_median(recordings, gains)
+        for index, (frames, free) in enumerate(recordings):
+            gains[index] = _gain(frames, image, free & (count > 0))
+    covered = count == 0
+    if covered.any():
+        everything = np.concatenate([frames for frames, _ in recordings])
+        image[covered] = estimate_background(everything)[covered]
+    return [np.clip(np.rint(image * gain), 0, 255).astype(np.uint8) for gain in gains]
+
+
+def _masked_median(
+    recordings: Sequence[UntouchedFrames], gains: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+    """Return each pixel's median where untouched, and in how many frames that is."""
+    rows, columns = recordings[0][0].shape[1:3]
+    image = np.zeros((rows, columns, 3), np.float32)
+    count = np.sum([free.sum(axis=0) for _, free in recordings], axis=0)
+    for top in range(0, rows, ROWS_AT_ONCE):
+        band = slice(top, top + ROWS_AT_ONCE)
+        values = np.concatenate(
+            [
+                np.where(free[:, band, :, None], frames[:, band] / gain, np.inf)
+                for (frames, free), gain in zip(recordings, gains, strict=True)
+            ]
+        )
+        values.sort(axis=0)  # what is touched sorts behind everything
+        middle = np.maximum(count[band] - 1, 0) // 2
+        median = np.take_along_axis(values, middle[None, :, :, None], axis=0)[0]
+        image[band] = np.where(count[band][..., None] > 0, median, 0)
+    return image, count
+
+
+def _gain(
+    frames: Frames, image: NDArray[np.float32], free: NDArray[np.bool_]
+) -> NDArray[np.float32]:
+    """Return each channel's light relative to `image` where the gel is untouched, shape (3,)."""
+    own = np.array([frames[..., channel][free].sum(dtype=np.float64) for channel in range(3)])
+    usual = np.array([(image[..., channel] * free).sum(dtype=np.float64) for channel in range(3)])
+    known = (own > 0) & (usual > 0)
+    return np.where(known, own / np.where(known, usual, 1), 1).astype(np.float32)

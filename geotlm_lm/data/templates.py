@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.files import training_templates
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.language.parse_answer import KINDS, AnswerGrammar, Slots
 
 FORMS = ("doing", "naming", "short")
@@ -118,7 +118,7 @@ def load_templates(folder: Path | None = None) -> Templates:
     Raises:
         UnreadableTemplate: If a file is missing or breaks the schema in data_templates/README.md.
     """
-    folder = resource_dir("data_templates") if folder is None else Path(folder)
+    folder = training_templates() if folder is None else Path(folder)
     slots_path = folder / "slots.toml"
     slots = _read(slots_path)
     words = {name: _texts(slots_path, name, x) for name, x in _table(slots_path, slots, "slots")}

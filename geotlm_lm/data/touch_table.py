@@ -9,13 +9,13 @@ main motion of the whole recording, and `tier` how sure the table is of it.
 
 from __future__ import annotations
 
-import csv
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.data.labelled_recordings import csv_lines, object_of
 
 TABLE_NAME = "clips.csv"
 
@@ -82,11 +82,7 @@ class TouchRow:
         return range(max(self.contact_start - BEFORE_TOUCH, FIRST_IDLE), self.still_until + 1)
 
     def check_length(self, frames: int) -> None:
-        """Refuse a recording that ends before the touch does.
-
-        Raises:
-            UnreadableClip: If `frames` is too small a number.
-        """
+        """Refuse a recording that ends before the touch does."""
         if self.contact_end >= frames:
             raise UnreadableClip(
                 f"{self.path}: the table names frame {self.contact_end}, the recording holds "
@@ -127,78 +123,58 @@ class DirectedRow:
     touched: tuple[int, int] | None = None
 
 
-def read_touch_table(path: str | Path) -> list[TouchRow]:
+def read_touch_table(path: Path) -> list[TouchRow]:
     """Return the touched recordings of a table, none where there is no such file.
 
     Raises:
         UnreadableClip: If a column is missing or the frames of a row are out of order.
     """
-    path = Path(path)
-    return [_row(path, values) for values in _values(path) if values["contact_start"]]
+    rows = []
+    for recording, values in _rows(path):
+        first, last = values["contact_start"], values["contact_end"]
+        if not first:
+            continue
+        begins, ends = (int(text) if text.isdecimal() else -1 for text in (first, last))
+        if not FIRST_IDLE < begins <= ends:
+            raise UnreadableClip(
+                f"{path}: {values['clip']} is touched from frame '{first}' to '{last}', expected "
+                f"two numbers in order, the first above {FIRST_IDLE}: idle frames come before it."
+            )
+        about = object_of(recording, values)
+        still_until = _still_until(values, begins, ends)
+        rows.append(TouchRow(recording, _fps(path, values), begins, ends, *about, still_until))
+    return rows
 
 
-def read_untouched(path: str | Path) -> list[UntouchedRow]:
-    """Return the recordings of a table that show no contact, none where there is no such file.
-
-    Raises:
-        UnreadableClip: As of `read_touch_table`.
-    """
-    path = Path(path)
+def read_untouched(path: Path) -> list[UntouchedRow]:
+    """Return the recordings of a table that show no contact, none where there is no such file."""
     return [
-        UntouchedRow(path.parent / values["clip"], _fps(path, values), *_object(path, values))
-        for values in _values(path)
+        UntouchedRow(recording, _fps(path, values), *object_of(recording, values))
+        for recording, values in _rows(path)
         if not values["contact_start"] and not values["contact_end"]
     ]
 
 
-def read_directed(path: str | Path) -> list[DirectedRow]:
-    """Return the recordings whose main motion a table states, none where there is no such file.
-
-    Raises:
-        UnreadableClip: If a column is missing.
-    """
-    path = Path(path)
+def read_directed(path: Path) -> list[DirectedRow]:
+    """Return the recordings whose main motion a table states, none where there is no such file."""
     return [
-        DirectedRow(
-            path.parent / values["clip"], Motion(word), *_object(path, values), *_turn(values)
-        )
-        for values in _values(path)
+        DirectedRow(recording, Motion(word), *object_of(recording, values), *_turn(values))
+        for recording, values in _rows(path)
         if (word := (values.get("direction") or "").strip().lower()) in DIRECTED
         and (values.get("tier") or "").strip() in SURE_TIERS
     ]
 
 
-def _values(path: Path) -> list[dict[str, str]]:
+def _rows(path: Path) -> list[tuple[Path, dict[str, str]]]:
     if not path.is_file():
         return []
-    with path.open(newline="", encoding="utf-8-sig", errors="replace") as stream:
-        reader = csv.DictReader(stream, restval="")  # where a line ends early
-        try:
-            rows, columns = list(reader), reader.fieldnames or ()
-        except csv.Error as error:
-            raise UnreadableClip(
-                f"{path}: is no table ({error} in line {reader.line_num}); save it as CSV again."
-            ) from error
+    columns, lines = csv_lines(path, "save it as CSV again")
     if not set(columns) >= REQUIRED_COLUMNS:
         raise UnreadableClip(
             f"{path}: found the columns {', '.join(map(str, columns))}, expected clip, fps, "
             f"contact_start and contact_end among them."
         )
-    return rows
-
-
-def _row(path: Path, values: dict[str, str]) -> TouchRow:
-    first, last = values["contact_start"], values["contact_end"] or ""
-    begins, ends = (int(text) if text.isdecimal() else -1 for text in (first, last))
-    if not FIRST_IDLE < begins <= ends:
-        raise UnreadableClip(
-            f"{path}: {values['clip']} is touched from frame '{first}' to '{last}', expected two "
-            f"numbers in order, the first above {FIRST_IDLE}: idle frames come before it."
-        )
-    object_id, family = _object(path, values)
-    still_until = _still_until(values, begins, ends)
-    recording, fps = path.parent / values["clip"], _fps(path, values)
-    return TouchRow(recording, fps, begins, ends, object_id, family, still_until)
+    return [(path.parent / values["clip"], values) for _, values in lines]
 
 
 def _turn(
@@ -224,11 +200,6 @@ def _still_until(values: dict[str, str], begins: int, ends: int) -> int | None:
     if not start.isdecimal():
         return None
     return min(map(int, [start, *turns])) - 1
-
-
-def _object(path: Path, values: dict[str, str]) -> tuple[str, str]:
-    object_id = (values.get("object") or "").strip() or (path.parent / values["clip"]).stem
-    return object_id, (values.get("object_family") or "").strip() or object_id
 
 
 def _fps(path: Path, values: dict[str, str]) -> float:

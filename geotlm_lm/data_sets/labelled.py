@@ -11,17 +11,26 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.plain_name import plain_name
-from geotlm_lm.data_sets.layout import EPISODES, INFO, STATISTICS, contained, read_object
+from geotlm_lm.core.files import plain_name, replacing, write_text_atomically
+from geotlm_lm.data_sets.layout import (
+    EPISODES,
+    INFO,
+    STATISTICS,
+    contained,
+    damage_as_sentence,
+    read_frames,
+    read_object,
+    read_table,
+)
 from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet
-from geotlm_lm.data_sets.motion_columns import Values, features_of, statistics_of
-from geotlm_lm.data_sets.tables import damage_as_sentence, read_frames, read_table
 
 if TYPE_CHECKING:
     import pyarrow
+
+Values = NDArray[np.float32]
 
 _EVENT_TYPES = {
     "episode_index": "int64",
@@ -38,6 +47,8 @@ _EVENT_TYPES = {
     "probability": "float64",
 }
 
+QUANTILES = (0.01, 0.1, 0.5, 0.9, 0.99)
+"""That LeRobot keeps of a column."""
 
 COPIED_BYTES = 2**20
 """Of a file at a time."""
@@ -87,20 +98,15 @@ def require_whole(data_set: LeRobotDataSet) -> None:
 
 
 def write_labelled(data_set: LeRobotDataSet, labels: Labels, out: Path) -> None:
-    """Write the data set with what is added to it into a new folder.
-
-    Args:
-        data_set: The original, which is left as it is.
-        labels: What is added.
-        out: The folder; nothing may be in it.
-    """
+    """Write the data set with what is added to it into a new folder, in which nothing may be."""
     rewritten = {data_set.data_path(episode) for episode in data_set.episodes}
     tables = {
         path.relative_to(data_set.root).as_posix()
         for path in sorted((data_set.root / EPISODES).glob("*/*.parquet"))
     }
     _copy_others(data_set.root, out, rewritten | tables | {INFO, STATISTICS})
-    features = data_set.features | features_of(labels.names)
+    added = {name: {"dtype": "float32", "shape": [1], "names": None} for name in labels.names}
+    features = data_set.features | added
     info = data_set.info.content | {"features": features}
     write_text_atomically(out / INFO, json.dumps(info, indent=4) + "\n")
     for name in sorted(rewritten):
@@ -144,6 +150,16 @@ def _copy_others(root: Path, out: Path, but: set[str]) -> None:
             shutil.copyfileobj(original, copy, COPIED_BYTES)
 
 
+def _statistics_of(values: Values) -> dict[str, list[float | int]]:
+    """Return the statistics of a column, (n,), as LeRobot keeps them; NaN does not count."""
+    known = values[np.isfinite(values)].astype(np.float64)
+    known = known if len(known) else np.zeros(1)
+    kinds = {"min": known.min(), "max": known.max(), "mean": known.mean(), "std": known.std()}
+    quantiles = np.quantile(known, QUANTILES)
+    kinds |= {f"q{round(100 * q):02d}": x for q, x in zip(QUANTILES, quantiles, strict=True)}
+    return {name: [float(value)] for name, value in kinds.items()} | {"count": [len(values)]}
+
+
 def _write_rows(source: Path, target: Path, labels: Labels) -> None:
     """Write a table of frames with the columns, group of rows by group as it was."""
     import pyarrow
@@ -185,17 +201,16 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
     if any(name.startswith("stats/") for name in table.column_names):
         episodes = table["episode_index"].to_pylist()
         for number, name in enumerate(labels.names):
-            known = [statistics_of(labels.values[index][:, number]) for index in episodes]
-            for kind in statistics_of(np.zeros(1, np.float32)):  # of no episode, too
+            known = [_statistics_of(labels.values[index][:, number]) for index in episodes]
+            for kind in _statistics_of(np.zeros(1, np.float32)):  # of no episode, too
                 whole = pyarrow.int64() if kind == "count" else pyarrow.float64()
-                cells = pyarrow.array([each[kind] for each in known], pyarrow.list_(whole))
+                cells = pyarrow.array([column[kind] for column in known], pyarrow.list_(whole))
                 table = table.append_column(f"stats/{name}/{kind}", cells)
     with replacing(target) as stream:
         parquet.write_table(table, stream)
 
 
 def _read_statistics(data_set: LeRobotDataSet) -> dict[str, Any] | None:
-    """Return what is kept of each column; None where nothing is."""
     path = data_set.root / STATISTICS
     return read_object(path) if os.path.lexists(path) else None
 
@@ -205,7 +220,8 @@ def _write_statistics(data_set: LeRobotDataSet, target: Path, labels: Labels) ->
     if statistics is None:  # none are kept of the other columns either
         return
     for number, name in enumerate(labels.names):
-        statistics[name] = statistics_of(np.concatenate([one[:, number] for one in labels.values]))
+        column = np.concatenate([values[:, number] for values in labels.values])
+        statistics[name] = _statistics_of(column)
     write_text_atomically(target, json.dumps(statistics, indent=4) + "\n")
 
 

@@ -1,7 +1,7 @@
-"""Labels a whole LeRobot data set by tracking each of its episodes; a stopped run is resumed.
+"""Labels a whole LeRobot data set by tracking each of its episodes; a stopped run is continued.
 
-What is done of each episode is kept in `NAME.part` beside the new data set until all is there, so
-that a reader of it never sees half of one. Same bytes whatever the number of processes.
+The columns of each episode are kept in `NAME.part` beside the new data set until all are there, so
+that a reader never sees half of it. Same bytes whatever the number of processes.
 """
 
 from __future__ import annotations
@@ -13,41 +13,37 @@ import zipfile
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
 from geotlm_lm import __version__
 from geotlm_lm.answering.loaded import loaded
-from geotlm_lm.core.atomic import (
-    move_into_place,
-    only_writer,
-    replacing,
-    write_text_atomically,
-)
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.data_sets.episode_frames import episode_clip, episode_frames
-from geotlm_lm.data_sets.labelled import Labels, require_whole, write_labelled
+from geotlm_lm.core.files import move_into_place
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
+from geotlm_lm.data_sets.labelled import Labels, Values, require_whole, write_labelled
 from geotlm_lm.data_sets.layout import INFO
-from geotlm_lm.data_sets.lerobot import Episode, LeRobotDataSet, read_data_set
-from geotlm_lm.data_sets.motion_columns import (
-    CAMERA_PREFIX,
-    Values,
-    column_names,
-    motion_values,
-    unknown_values,
+from geotlm_lm.data_sets.lerobot import (
+    Episode,
+    LeRobotDataSet,
+    episode_clip,
+    episode_frames,
+    read_data_set,
 )
 from geotlm_lm.recordings.legible import require_any_legible
-from geotlm_lm.recordings.pixel_shape import with_square_pixels
+from geotlm_lm.recordings.pixels import with_square_pixels
+from geotlm_lm.runs.run import ALONE, LOST, Workers, do_parts, run_folder
 from geotlm_lm.track.export import Exported
-from geotlm_lm.workers import ALONE, LOST, Workers
-
-SETTINGS = "settings.json"
 
 LABELS_VERSION = 1
 """Of what is written of an episode: another version's are not continued."""
+
+CAMERA_PREFIX = "observation.images."
+"""Of most cameras' names; what is behind it begins the names of the columns."""
+
+COLUMNS = 8
+"""Three rates and the contact, each before its deviation."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +55,7 @@ class Labelling:
         camera: Name of the feature that is looked at.
         model: Folder of a model bundle; None takes the one shipped.
         square_pixels: As of `read_clip`.
-        mm_per_px: Width on the gel of a pixel, mm; None tells travel in pixels of the frames.
+        mm_per_px: Width on the gel of a pixel, mm; None gives travel in pixels of the frames.
     """
 
     root: Path
@@ -69,21 +65,24 @@ class Labelling:
     mm_per_px: float | None = None
 
     @property
+    def short_camera(self) -> str:
+        """What begins the names of the columns."""
+        return self.camera.removeprefix(CAMERA_PREFIX)
+
+    @property
     def names(self) -> tuple[str, ...]:
-        """Names of the columns."""
-        return column_names(self.camera, "px" if self.mm_per_px is None else "mm")
+        """Names of the columns, each before its deviation."""
+        unit = "px" if self.mm_per_px is None else "mm"
+        quantities = ("turn_deg_s", f"right_{unit}_s", f"down_{unit}_s", "contact")
+        names = [f"{self.short_camera}.{quantity}" for quantity in quantities]
+        return tuple(name for name in names for name in (name, f"{name}_deviation"))
 
 
 @dataclass(frozen=True)
 class LabelResult:
-    """What a run wrote.
+    """How many episodes, frames and events a run wrote, and why some have no labels, by number.
 
-    Args:
-        episodes: How many the data set has.
-        frames: Of all of them.
-        events: Rows of the events' table.
-        continued: Episodes that an earlier, stopped run had tracked.
-        refused: What was amiss with those that could not be tracked, by their number.
+    `continued` are the episodes that an earlier, stopped run had tracked.
     """
 
     episodes: int
@@ -91,6 +90,10 @@ class LabelResult:
     events: int
     continued: int
     refused: dict[int, str]
+
+
+Kept = tuple[Values, dict[str, Any]]
+"""The columns of an episode, and its events, notes and why it was refused."""
 
 
 def label_data_set(
@@ -103,7 +106,7 @@ def label_data_set(
         out: Folder of the new data set.
         workers: Who tracks; the result does not depend on it. An episode that ends the process
             which tracks it gets no labels, but for `ALONE`, where that is this process.
-        progress: Told how many episodes are done.
+        progress: Called after every episode.
 
     Raises:
         UnreadableClip: If the data set cannot be read.
@@ -114,49 +117,50 @@ def label_data_set(
     """
     data_set = read_data_set(labelling.root)
     data_set.require_camera(labelling.camera)
-    part = out.with_name(f"{out.name}.part")
-    _require_free(data_set, labelling, out, part)
+    folder = out.with_name(f"{out.name}.part")
+    _require_free(data_set, labelling, out, folder / "data_set")
     require_whole(data_set)
-    with only_writer(part) as is_alone:
-        if not is_alone:
-            raise UsageError(
-                f"{part}: another run is writing it, expected one at a time; wait for it, or give "
-                f"another --out."
-            )
-        settings = _settings(data_set, labelling)
-        _begin(part, settings)
-        files = [part / f"episode-{one.index:06d}.npz" for one in data_set.episodes]
-        missing = [
-            _Part(one, file)
-            for one, file in zip(data_set.episodes, files, strict=True)
-            if _kept(file, one) is None
+    settings = _settings(data_set, labelling)
+    jobs = [(episode, folder / f"episode-{episode.index:06d}.npz") for episode in data_set.episodes]
+    with run_folder(folder, settings, "data set, camera or facts") as stamp:
+        shutil.rmtree(folder / "data_set", ignore_errors=True)
+        continued = do_parts(
+            "labelled",
+            # Without its episodes: each part has its own alone.
+            partial(_label, labelling, replace(data_set, episodes=())),
+            jobs,
+            _save,
+            is_kept=_is_kept,
+            workers=workers,
+            seen=[data_set.root / INFO, stamp],
+            lost=partial(_lost, data_set.root),
+            progress=progress,
+        )
+        values, abouts = zip(*(_load(path) for _, path in jobs), strict=True)
+        events = [
+            {"episode_index": n} | event
+            for n, about in enumerate(abouts)
+            for event in about["events"]
         ]
-        continued = done = len(files) - len(missing)
-        # Without its episodes: each part has its own alone.
-        work = partial(_label_episode, labelling, replace(data_set, episodes=()))
-        lost = partial(_label_lost, data_set.root)
-        seen = [data_set.root / INFO, part / SETTINGS]
-        for _ in workers.each_done(work, missing, seen=seen, lost=lost):
-            done += 1
-            progress("labelled", done, len(files))
-        result = _assemble(data_set, labelling, files, settings, part / "data_set")
+        refused = {n: about["refused"] for n, about in enumerate(abouts) if about["refused"]}
+        made_by = settings | {
+            "refused": {str(n): reason for n, reason in refused.items()},
+            "notes": {str(n): about["notes"] for n, about in enumerate(abouts) if about["notes"]},
+        }
+        events_file = f"meta/{labelling.short_camera}_events.parquet"
+        labels = Labels(labelling.names, values, events, events_file, made_by)
+        write_labelled(data_set, labels, folder / "data_set")
         with uninterrupted_step():
-            move_into_place(part / "data_set", out)
-            shutil.rmtree(part)
-    return LabelResult(len(files), result[0], result[1], continued, result[2])
+            move_into_place(folder / "data_set", out)
+            shutil.rmtree(folder)
+    return LabelResult(len(jobs), sum(map(len, values)), len(events), continued, refused)
 
 
-@dataclass(frozen=True)
-class _Part:
-    episode: Episode
-    file: Path
-
-
-def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path, part: Path) -> None:
-    there = next((one for one in labelling.names if one in data_set.features), None)
-    if there is not None:
+def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path, written: Path) -> None:
+    column = next((name for name in labelling.names if name in data_set.features), None)
+    if column is not None:
         raise UsageError(
-            f"{data_set.root}: has a column {there} already, expected one without; give the "
+            f"{data_set.root}: has a column {column} already, expected one without; give the "
             f"original data set."
         )
     if out.resolve().is_relative_to(data_set.root.resolve()):
@@ -164,7 +168,7 @@ def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path, par
             f"--out: {out} lies in the data set that is read, expected a folder beside it; give "
             f"another place."
         )
-    link = next((path for path in (out, part, part / "data_set") if path.is_symlink()), None)
+    link = next((path for path in (out, written.parent, written) if path.is_symlink()), None)
     if link is not None:
         raise UsageError(
             f"--out: {link} is a link, through which something else would be written, expected a "
@@ -178,9 +182,9 @@ def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path, par
 
 
 def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
-    """Return what decides the labels, so that no other run's are taken for them."""
+    """Return what decides the labels; the new data set keeps it beside the events."""
     episodes = [asdict(episode) for episode in data_set.episodes]
-    told = json.dumps({"info": data_set.info.content, "episodes": episodes}, sort_keys=True)
+    content = json.dumps({"info": data_set.info.content, "episodes": episodes}, sort_keys=True)
     return {
         "labels": LABELS_VERSION,
         "made_by": f"geotlm-lm {__version__}",
@@ -188,56 +192,29 @@ def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
         "camera": labelling.camera,
         "square_pixels": labelling.square_pixels,
         "mm_per_px": labelling.mm_per_px,
-        "of": hashlib.sha256(told.encode()).hexdigest()[:16],
+        "of": hashlib.sha256(content.encode()).hexdigest()[:16],
     }
 
 
-def _begin(part: Path, settings: dict[str, Any]) -> None:
-    """Begin a run in a folder, or go on with the one that was stopped there."""
-    path = part / SETTINGS
-    if part.exists():
-        try:
-            found = json.loads(path.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            found = None
-        if found != settings and (found is not None or any(part.iterdir())):
-            raise UsageError(
-                f"{part}: belongs to a run of another data set, camera, model or version, expected "
-                f"this one's; delete it to begin anew, or give another --out."
-            )
-    write_text_atomically(path, json.dumps(settings) + "\n")
-    shutil.rmtree(part / "data_set", ignore_errors=True)
-
-
-def _label_episode(labelling: Labelling, data_set: LeRobotDataSet, part: _Part) -> int:
-    """Track an episode and keep what is told of it, if that is not there."""
-    episode = part.episode
-    if _kept(part.file, episode) is not None:
-        return episode.index
+def _label(labelling: Labelling, data_set: LeRobotDataSet, episode: Episode) -> Kept:
     try:
-        exported = _tracked(data_set, episode, labelling)
+        exported = _track(data_set, episode, labelling)
     except UnreadableClip as error:
-        return _keep(part, unknown_values(episode.length), refused=str(error))
-    told = {name: exported.to_dict()[name] for name in ("events", "notes")}
-    return _keep(part, motion_values(exported, episode.length), **told)
+        return _refused(episode, str(error))
+    told = exported.to_dict()
+    about = {"events": told["events"], "notes": told["notes"], "refused": None}
+    return motion_values(exported, episode.length), about
 
 
-def _label_lost(root: Path, part: _Part) -> int:
-    """Keep no labels of an episode that ends the process which tracks it."""
-    values = unknown_values(part.episode.length)
-    return _keep(part, values, refused=f"{root} episode {part.episode.index}: {LOST}")
+def _lost(root: Path, episode: Episode) -> Kept:
+    return _refused(episode, f"{root} episode {episode.index}: {LOST}")
 
 
-def _keep(
-    part: _Part, values: Values, *, events: Any = (), notes: Any = (), refused: str | None = None
-) -> int:
-    told = json.dumps({"events": list(events), "notes": list(notes), "refused": refused})
-    with uninterrupted_step(), replacing(part.file) as stream:
-        np.savez(stream, values=values, told=np.array(told))
-    return part.episode.index
+def _refused(episode: Episode, reason: str) -> Kept:
+    return _unknown(episode.length), {"events": [], "notes": [], "refused": reason}
 
 
-def _tracked(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -> Exported:
+def _track(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -> Exported:
     """Return the track of an episode; one too long for memory is decoded anew, frame by frame."""
     is_square = labelling.square_pixels
     clip = episode_clip(data_set, episode, labelling.camera, square_pixels=is_square)
@@ -251,31 +228,47 @@ def _tracked(data_set: LeRobotDataSet, episode: Episode, labelling: Labelling) -
     return Exported(tracker.finish(), labelling.mm_per_px)
 
 
-def _kept(file: Path, episode: Episode) -> tuple[Values, dict[str, Any]] | None:
+def motion_values(exported: Exported, count: int) -> Values:
+    """Return the columns of a track of `count` rows, in the order of `Labelling.names`, (count, 8).
+
+    Rates are clockwise, right and down positive. A frame that was left out of the track has what
+    lies between its neighbours. Contact is a probability; its deviation that of touching or not.
+    """
+    track = exported.track
+    if not len(track):
+        return _unknown(count)
+    rates, deviations = track.rates()
+    right, down = exported.units.travelled(rates[:, 1], rates[:, 2])
+    right_deviation, down_deviation = exported.units.travelled(deviations[:, 1], deviations[:, 2])
+    contact = track.contact
+    columns = (
+        *(rates[:, 0], deviations[:, 0]),
+        *(right, right_deviation),
+        *(down, down_deviation),
+        *(contact, np.sqrt(contact * (1 - contact))),
+    )
+    rows = [np.interp(np.arange(count), track.numbers, column) for column in columns]
+    return np.stack(rows, axis=1).astype(np.float32)
+
+
+def _unknown(count: int) -> Values:
+    return np.full((count, COLUMNS), np.nan, np.float32)
+
+
+def _save(stream: IO[bytes], kept: Kept) -> None:
+    values, about = kept
+    np.savez(stream, values=values, about=np.array(json.dumps(about)))
+
+
+def _load(file: Path) -> Kept | None:
     """Return what was kept of an episode; None where that is missing or damaged."""
     try:
         with np.load(file, allow_pickle=False) as stored:
-            values, told = stored["values"], json.loads(str(stored["told"]))
+            return stored["values"], json.loads(str(stored["about"]))
     except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
         return None
-    return (values, told) if len(values) == episode.length else None
 
 
-def _assemble(
-    data_set: LeRobotDataSet,
-    labelling: Labelling,
-    files: list[Path],
-    settings: dict[str, Any],
-    folder: Path,
-) -> tuple[int, int, dict[int, str]]:
-    """Write the data set and return its frames, its events and what was refused."""
-    kept = [_kept(file, one) for file, one in zip(files, data_set.episodes, strict=True)]
-    values, told = zip(*kept, strict=True)
-    events = [{"episode_index": n} | event for n, one in enumerate(told) for event in one["events"]]
-    refused = {n: one["refused"] for n, one in enumerate(told) if one["refused"] is not None}
-    notes = {str(n): one["notes"] for n, one in enumerate(told) if one["notes"]}
-    short = labelling.camera.removeprefix(CAMERA_PREFIX)
-    made_by = settings | {"refused": {str(n): why for n, why in refused.items()}, "notes": notes}
-    labels = Labels(labelling.names, values, events, f"meta/{short}_events.parquet", made_by)
-    write_labelled(data_set, labels, folder)
-    return sum(map(len, values)), len(events), refused
+def _is_kept(episode: Episode, file: Path) -> bool:
+    kept = _load(file)
+    return kept is not None and len(kept[0]) == episode.length

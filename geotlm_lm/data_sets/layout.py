@@ -1,4 +1,4 @@
-"""What `meta/info.json` of a LeRobot data set (v3) says, and the paths it names, kept inside."""
+"""Files of a LeRobot data set (v3): what `meta/info.json` says, the paths it names, the tables."""
 
 from __future__ import annotations
 
@@ -6,14 +6,22 @@ import json
 import os
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from string import Formatter
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import MOST_FPS
 from geotlm_lm.core.errors import UnreadableClip, first_line
+from geotlm_lm.core.files import plain_name
+
+if TYPE_CHECKING:
+    import pyarrow
 
 INFO, STATISTICS, EPISODES = "meta/info.json", "meta/stats.json", "meta/episodes"
 
@@ -27,24 +35,21 @@ USUAL_PATHS = {
     "video_path": "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
 }
 
+MOST_ROWS = 50_000_000
+"""Rows of a table that is read: 19 days of frames, 400 MB a column; a file of many more is small
+where they are alike."""
+
+LONGEST_S = 1e8
+"""Seconds of a recording at most, 3 years: times beyond are damaged."""
+
 _NUMBER_FORM = re.compile(r"0?[0-9]{0,2}d?")
 """How a number may be filled in: `03d`. A width of many digits would fill the memory."""
 
 
-@dataclass(frozen=True)
-class PathTemplate:
-    """A path from the root on that stays below it, whatever numbers are filled in.
-
-    Args:
-        text: Names in braces stand for numbers, and for a camera.
-    """
-
-    text: str
-
-    def filled(self, chunk: int, file: int, camera: str = "") -> str:
-        """Return the path of a file, without `.` and doubled slashes."""
-        numbers = dict(zip(PLACE_FIELDS, (chunk, file), strict=True))
-        return str(PurePosixPath(self.text.format(video_key=camera, **numbers)))
+def filled(template: str, chunk: int, file: int, camera: str = "") -> str:
+    """Return a path from the root on that stays below it, whatever is filled in."""
+    numbers = dict(zip(PLACE_FIELDS, (chunk, file), strict=True))
+    return str(PurePosixPath(template.format(video_key=camera, **numbers)))
 
 
 @dataclass(frozen=True)
@@ -54,26 +59,22 @@ class Info:
     Args:
         fps: Frames per second, as a camera may have.
         kinds: The type of each column by its name; a camera's name is one part of a path.
-        data_path: Of the tables of frames.
-        video_path: Of the videos; None where no column is one.
+        data_path: Template of the tables of frames, checked to stay below the root.
+        video_path: Likewise of the videos; None where no column is one.
         total_episodes: How many there are.
         content: All that the file holds.
     """
 
     fps: float
     kinds: Mapping[str, str]
-    data_path: PathTemplate
-    video_path: PathTemplate | None
+    data_path: str
+    video_path: str | None
     total_episodes: int
     content: dict[str, Any]
 
 
 def read_info(root: Path) -> Info:
-    """Return what the data set in a folder says of itself.
-
-    Raises:
-        UnreadableClip: If it is none, of another version, or says something that cannot be.
-    """
+    """Return what the data set in a folder says of itself."""
     path = root / INFO
     if not os.path.isfile(path):
         raise UnreadableClip(
@@ -102,11 +103,7 @@ def read_info(root: Path) -> Info:
 
 
 def read_object(path: Path) -> dict[str, Any]:
-    """Return the JSON object in a file.
-
-    Raises:
-        UnreadableClip: If it cannot be read or holds something else.
-    """
+    """Return the JSON object in a file."""
     try:
         content = json.loads(path.read_text(encoding="utf-8")) if os.path.isfile(path) else None
         reason = "it is no file that holds one"
@@ -124,9 +121,6 @@ def contained(root: Path, name: str) -> Path:
     """Return the path of a file that a data set names; no link of a folder leads out of it.
 
     The file itself may be a link: a set that was downloaded consists of links into a cache.
-
-    Raises:
-        UnreadableClip: If the folder that the file lies in is elsewhere.
     """
     path = root / name
     if not Path(os.path.realpath(path.parent)).is_relative_to(os.path.realpath(root)):
@@ -163,15 +157,14 @@ def _kinds(path: Path, features: object) -> dict[str, str]:
         kind = feature.get("dtype") if isinstance(feature, dict) else None
         if not isinstance(kind, str):
             raise _senseless(path, f"the dtype of {_shown(name)}", kind, "a text")
-        if kind in ("video", "image") and not _is_part_of_a_path(name):
+        is_part = name == PureWindowsPath(name).name and name != ".." and name.isprintable()
+        if kind in ("video", "image") and not is_part:
             raise _senseless(path, "a camera's name", name, "one without slashes")
         kinds[name] = kind
     return kinds
 
 
-def _template(
-    path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]
-) -> PathTemplate:
+def _template(path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]) -> str:
     text = content.get(name)
     fault = _fault(text, fields) if isinstance(text, str) else "is no text"
     if fault is not None:
@@ -179,7 +172,7 @@ def _template(
             f"{path}: its {name}, {_shown(text)}, {fault}, expected a path below the data set's "
             f"folder such as {USUAL_PATHS[name]}; correct it, or copy the data set again."
         )
-    return PathTemplate(text)
+    return text
 
 
 def _fault(text: str, fields: tuple[str, ...]) -> str | None:
@@ -204,10 +197,6 @@ def _fault(text: str, fields: tuple[str, ...]) -> str | None:
     return None if tried.isprintable() else "holds characters that no path has"
 
 
-def _is_part_of_a_path(name: str) -> bool:
-    return name == PureWindowsPath(name).name and name != ".." and name.isprintable()
-
-
 def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
@@ -224,3 +213,131 @@ def _shown(value: object) -> str:
     if isinstance(value, list | dict):
         return "a list" if isinstance(value, list) else "an object"
     return "missing" if value is None else repr(value)[:80]
+
+
+@dataclass(frozen=True, eq=False)
+class FrameTable:
+    """Which frame of which episode each row of a table is.
+
+    Args:
+        path: Of the table.
+        episodes: Number of the episode, (rows,).
+        frames: Number of the frame in it, (rows,).
+        times_s: Since the episode's begin, (rows,).
+    """
+
+    path: Path
+    episodes: NDArray[np.int64]
+    frames: NDArray[np.int64]
+    times_s: NDArray[np.float64]
+
+    def rows_of(self, episode: int, length: int) -> NDArray[np.int64]:
+        """Return the rows of an episode in order of its frames, (length,)."""
+        rows = np.flatnonzero(self.episodes == episode)
+        rows = rows[np.argsort(self.frames[rows], kind="stable")]
+        if len(rows) != length:
+            raise UnreadableClip(
+                f"{self.path}: holds {len(rows)} rows of episode {episode}, expected {length}; "
+                f"copy the data set again."
+            )
+        frames, times_s = self.frames[rows], self.times_s[rows]
+        if not np.array_equal(frames, np.arange(length)):
+            raise UnreadableClip(
+                f"{self.path}: the frame_index of episode {episode} goes from {frames[0]} to "
+                f"{frames[-1]} in {length} rows, expected each of 0 to {length - 1} once; copy or "
+                f"record the data set again."
+            )
+        if not (np.diff(times_s) > 0).all():
+            raise UnreadableClip(
+                f"{self.path}: the timestamp of episode {episode} does not rise from frame to "
+                f"frame, expected seconds since its begin; copy or record the data set again."
+            )
+        return rows
+
+
+def read_frames(path: Path) -> FrameTable:
+    """Return what the rows of a table are."""
+    table = read_table(path, ["episode_index", "frame_index", "timestamp"])
+    return FrameTable(
+        path,
+        whole_numbers(path, table, "episode_index"),
+        whole_numbers(path, table, "frame_index"),
+        seconds(path, table, "timestamp"),
+    )
+
+
+def read_table(path: Path, columns: Sequence[str] | None = None) -> pyarrow.Table:
+    """Return a table, or some of its columns."""
+    from pyarrow.parquet import ParquetFile
+
+    # ParquetFile: read_table would look for columns in the names of the folders too.
+    with damage_as_sentence(path), plain_name(path) as plain, ParquetFile(plain) as file:
+        if file.metadata.num_rows > MOST_ROWS:
+            raise UnreadableClip(
+                f"{path}: holds {file.metadata.num_rows} rows, expected at most {MOST_ROWS}; write "
+                f"the data set in several files."
+            )
+        table = file.read(columns=None if columns is None else list(columns))
+    for name in columns or ():
+        if table.column_names.count(name) != 1:
+            raise UnreadableClip(
+                f"{path}: has {table.column_names.count(name) or 'no'} column {name}, expected one "
+                f"of a LeRobot data set (v3); convert or copy it again."
+            )
+    return table
+
+
+@contextmanager
+def damage_as_sentence(path: Path) -> Iterator[None]:
+    """Turn what reading a table raises into one sentence; nothing is written in the block."""
+    import pyarrow
+
+    try:
+        if not os.path.isfile(path):  # a pipe would be waited for
+            raise FileNotFoundError("there is no such file")
+        yield
+    except (OSError, pyarrow.ArrowException, UnicodeDecodeError) as error:
+        raise UnreadableClip(
+            f"{path}: cannot be read ({first_line(error)}), expected a table of a LeRobot data "
+            f"set; copy it again."
+        ) from error
+
+
+def whole_numbers(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.int64]:
+    """Return a column of numbers that count, (rows,)."""
+    from pyarrow import types
+
+    return _numbers(path, table, name, types.is_integer, 2**63, "whole numbers from 0 on").astype(
+        np.int64
+    )
+
+
+def seconds(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.float64]:
+    """Return a column of times, (rows,)."""
+    from pyarrow import types
+
+    def is_number(kind: pyarrow.DataType) -> bool:
+        return types.is_floating(kind) or types.is_integer(kind)
+
+    expected = f"seconds from 0 to {LONGEST_S:g}"
+    return _numbers(path, table, name, is_number, LONGEST_S, expected).astype(np.float64)
+
+
+def _numbers(
+    path: Path,
+    table: pyarrow.Table,
+    name: str,
+    is_kind: Callable[[pyarrow.DataType], bool],
+    most: float,
+    expected: str,
+) -> NDArray[Any]:
+    column = table[name]
+    if is_kind(column.type) and not column.null_count:
+        values = column.to_numpy()
+        if ((values >= 0) & (values < most)).all():
+            return values
+    held = f"{column.null_count} empty cells" if column.null_count else f"{column.type} values"
+    raise UnreadableClip(
+        f"{path}: its column {name} holds {held} that cannot be, expected {expected}; copy or "
+        f"record the data set again."
+    )

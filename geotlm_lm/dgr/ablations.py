@@ -9,8 +9,11 @@ from torch import Tensor, nn
 
 from geotlm_lm.core.geometry import REGION_COUNT, REGIONS, SHEAR_CHANNEL_COUNT
 from geotlm_lm.dgr.encoder import DGR
-from geotlm_lm.dgr.operators import OPERATORS, differential_operators
 from geotlm_lm.dgr.regions import pool_regions
+
+OPERATORS = ("curl", "divergence", "stretch", "shear_strain")
+"""What is computed, in this order. The paper names curl, divergence and strain; the two components
+of strain that change no area are the ones divergence leaves."""
 
 
 @dataclass(frozen=True)
@@ -66,3 +69,16 @@ class AblatedDGR(DGR):
             whole = REGIONS.index("global")
             pooled = [one[..., whole : whole + 1] for one in pooled]
         return torch.cat(pooled, dim=-1)
+
+
+def differential_operators(shear_change: Tensor) -> Tensor:
+    """Return `OPERATORS` of a field (b, gh, gw, 2) per patch step, (b, gh, gw, 4).
+
+    Components are x right, y down; differences are central, at the border one-sided. Curl is
+    positive where the field turns clockwise as drawn.
+    """
+    x, y = shear_change.unbind(dim=-1)
+    x_down, x_right = torch.gradient(x, dim=(1, 2))
+    y_down, y_right = torch.gradient(y, dim=(1, 2))
+    fields = (y_right - x_down, x_right + y_down, x_right - y_down, x_down + y_right)
+    return torch.stack(fields, dim=-1)

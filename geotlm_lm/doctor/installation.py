@@ -9,8 +9,8 @@ from pathlib import Path
 
 from geotlm_lm import __version__
 from geotlm_lm.core.errors import GeoTLMError
-from geotlm_lm.core.resources import resource_dir
-from geotlm_lm.doctor.finding import Finding
+from geotlm_lm.core.files import resource_dir
+from geotlm_lm.doctor.examine import Finding
 
 PACKAGES = ("numpy", "torch", "transformers", "tokenizers", "opencv-contrib-python-headless")
 
@@ -28,11 +28,7 @@ EXAMPLE, QUESTION, EXPECTED = "hex_nut_counterclockwise", "Which way is it turni
 
 
 def examine_installation(model: Path | None = None) -> list[Finding]:
-    """Return what was found.
-
-    Args:
-        model: Folder of a bundle; None for the one shipped.
-    """
+    """Return every finding; of the shipped bundle, or of one in a folder."""
     return [_versions(), *map(_extra, EXTRAS), _cameras(), _answers(model)]
 
 
@@ -71,7 +67,7 @@ def _cameras() -> Finding:
         "cameras",
         "limit",
         "no /dev/video* was found.",
-        "Recordings are answered about; `watch --source 0` has nothing to watch.",
+        "Recordings are answered about; `watch 0` has nothing to watch.",
         "Plug the sensor in, if you mean to watch one.",
     )
 

@@ -8,8 +8,8 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Literal, get_args
 
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.labels import Motion, MotionClass
 
 Kind = Literal[

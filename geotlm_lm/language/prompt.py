@@ -10,8 +10,8 @@ from pathlib import Path
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from tokenizers import Tokenizer
 
-from geotlm_lm.core.atomic import write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.language.slots import SLOT_TOKENS, SLOTS
 from geotlm_lm.language.tokenizer import (
     EOS,

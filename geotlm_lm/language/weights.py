@@ -9,8 +9,8 @@ from typing import Any
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, first_line
+from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.language.decoder import RMS_EPSILON, ROPE_THETA, LanguageSize, TactileDecoder
 
 FORMAT = 1

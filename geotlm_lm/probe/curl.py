@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.probe.logistic import fit_logistic
+from geotlm_lm.probe.linear import LinearProbe, fit_logistic
 from geotlm_lm.probe.rigid_fit import Field
 from geotlm_lm.probe.rigid_flow import FIT_STRIDE, RigidFlow
 from geotlm_lm.probe.standardise import Standardiser

@@ -1,6 +1,6 @@
 """The linear probe: the paper's own read-out of the fused token, restricted to the asked motions.
 
-Knows nothing of how the token was made, standardised, or how the probe is trained.
+In training it learns on tokens; fitted by logistic regression it reads a few hand-made features.
 """
 
 from __future__ import annotations
@@ -8,9 +8,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import torch
+import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.core.labels import Motion
+
+MOST_STEPS = 500
+"""Bound of the search; a few features need some tens of steps."""
 
 
 class LinearProbe(nn.Module):
@@ -37,17 +41,9 @@ class LinearProbe(nn.Module):
 
     @torch.no_grad()
     def probabilities(self, tokens: Tensor, among: Iterable[Motion] | None = None) -> Tensor:
-        """Return softmax probabilities over `among`, in the order given.
+        """Return softmax probabilities (b, len(among)) of tokens (b, d), in the order given.
 
-        Args:
-            tokens: Fused tokens, shape (b, d).
-            among: The motions in question; None means all labels of the probe.
-
-        Returns:
-            Shape (b, len(among)), rows summing to 1.
-
-        Raises:
-            ValueError: If `among` is empty or names a motion the probe was not trained on.
+        The motions are some that the probe was trained on; None means all of them.
         """
         return self(tokens)[:, self._columns(among)].softmax(dim=-1)
 
@@ -67,3 +63,45 @@ class LinearProbe(nn.Module):
             known = ", ".join(label.value for label in self.labels)
             raise ValueError(f"the probe tells apart {known}; asked among {unknown or 'nothing'}")
         return [self.labels.index(motion) for motion in asked]
+
+
+def fit_logistic(
+    features: Tensor, motions: Sequence[Motion], labels: Sequence[Motion], *, penalty: float = 1.0
+) -> LinearProbe:
+    """Return the probe with the least sum of losses plus penalty / 2 times its squared weights.
+
+    Args:
+        features: Standardised features of the training rows, shape (n, d).
+        motions: The motion of each row.
+        labels: The motions to tell apart.
+        penalty: Weight of the squared weights; the offsets are free.
+
+    Raises:
+        ValueError: If a motion is not among the labels.
+    """
+    targets = torch.tensor([list(labels).index(motion) for motion in motions])
+    wide = features.double()
+    weight = torch.zeros(len(labels), wide.shape[1], dtype=torch.float64, requires_grad=True)
+    bias = torch.zeros(len(labels), dtype=torch.float64, requires_grad=True)
+    search = torch.optim.LBFGS(
+        [weight, bias],
+        max_iter=MOST_STEPS,
+        tolerance_grad=1e-8,
+        tolerance_change=1e-14,
+        line_search_fn="strong_wolfe",
+    )
+
+    def loss() -> Tensor:
+        search.zero_grad()
+        misfit = F.cross_entropy(wide @ weight.T + bias, targets, reduction="sum")
+        total = misfit + penalty / 2 * weight.square().sum()
+        total.backward()
+        return total
+
+    search.step(loss)
+    probe = LinearProbe(wide.shape[1], labels)
+    with torch.no_grad():
+        probe.head.weight.copy_(weight)
+        # Only differences of offsets count; around zero, the search is free to leave them.
+        probe.head.bias.copy_(bias - bias.mean())
+    return probe

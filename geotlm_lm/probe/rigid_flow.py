@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import camera_size
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, signed_amount
-from geotlm_lm.core.rank_quantile import quantile_by_rank
+from geotlm_lm.core.numbers import quantile_by_rank
 from geotlm_lm.probe.rigid_fit import Field, fit_rigid, radius_of_gyration
 
 Grey = NDArray[np.uint8]

@@ -1,7 +1,7 @@
 """Write (text, query) pairs from data_templates/query, the same ones from the same seed.
 
 Whole families of phrasings are held out: a pair of the "test" split has a question, or a clause
-around it, of a family that no other split writes. `grammar_linter` shows what is written.
+around it, of a family that no other split writes. `.ci/grammar.py` shows what is written.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.clauses import (
     TWICE,
     Around,
@@ -84,7 +84,7 @@ class Grammar:
     """
 
     def __init__(self) -> None:
-        folder = resource_dir("data_templates") / "query"
+        folder = training_templates() / "query"
         paths = [
             *(folder / f"{name}.toml" for name in _FILES),
             *sorted(folder.glob("voices/*.toml")),
@@ -271,7 +271,7 @@ def corpus(split: str) -> list[Pair]:
 
     Questions that begin alike and ask alike are a family.
     """
-    path = resource_dir("data_templates") / "query" / "corpus.jsonl"
+    path = training_templates() / "query" / "corpus.jsonl"
     found = []
     for line in path.read_text(encoding="utf-8").splitlines():
         told = json.loads(line)

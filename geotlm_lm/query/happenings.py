@@ -14,8 +14,7 @@ from geotlm_lm.query.amounts import Measure, Missing
 from geotlm_lm.query.bounds import measured, meets
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.track.events import Event, EventKind
-from geotlm_lm.track.track import Track
-from geotlm_lm.track.whole import path_of_event
+from geotlm_lm.track.track import Track, path_of_event
 
 _BACKWARDS = {EventKind.PRESS: EventKind.RELEASE, EventKind.RELEASE: EventKind.PRESS}
 TOLD = (*(EventKind.TOUCH, EventKind.PRESS, EventKind.TURN, EventKind.SLIDE),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, replace
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.text import read
 from geotlm_lm.query.types import Query
 
@@ -39,7 +39,7 @@ class Labelled:
 
 def labelled(name: str) -> list[Labelled]:
     """Return the questions of one of these sets."""
-    path = resource_dir("data_templates") / "query" / f"{name}.jsonl"
+    path = training_templates() / "query" / f"{name}.jsonl"
     rows = map(json.loads, path.read_text(encoding="utf-8").splitlines())
     return [
         Labelled(row["text"], (row["query"], *row.get("also", ())), bool(row.get("before")))

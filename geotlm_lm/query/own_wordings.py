@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from itertools import product
 from typing import Any
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import training_templates
 from geotlm_lm.data.question_contents import OPTION_STYLES
 from geotlm_lm.data.templates import FORMS, Wording, load_templates
 from geotlm_lm.query.clauses import Clause, Family
@@ -56,7 +56,7 @@ def own_clauses(words: dict[str, Any]) -> list[Clause]:
 
 def own_families() -> list[Family]:
     """Return a family of every wording, and of every form that it offers a motion in."""
-    path = resource_dir("data_templates") / "query" / "own.toml"
+    path = training_templates() / "query" / "own.toml"
     meant = tomllib.loads(path.read_text(encoding="utf-8"))
     found = []
     for kind in load_templates().types.values():

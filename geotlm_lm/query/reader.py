@@ -19,8 +19,8 @@ from tokenizers import Tokenizer
 from torch import Tensor, nn
 from torch.nn.functional import linear
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
+from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.language.decoder import LanguageSize, LlamaDecoder
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.query.fitting import fitting

@@ -6,7 +6,7 @@ import tomllib
 from functools import lru_cache
 from typing import Any
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 
 
 @lru_cache(maxsize=1)

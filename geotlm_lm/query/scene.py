@@ -29,7 +29,7 @@ from geotlm_lm.query.happenings import happens
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.track import Timed, judged, on_track
 from geotlm_lm.track.events import Event
-from geotlm_lm.track.whole import together_s
+from geotlm_lm.track.track import together_s
 
 ASLANT = 1 / 3
 """Share of a slide's lesser travel in its greater from which on both ways are told."""

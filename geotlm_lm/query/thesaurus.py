@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.grammar import Pair
 from geotlm_lm.query.quantities import find
 
@@ -82,6 +82,6 @@ class Thesaurus:
 @lru_cache(maxsize=1)
 def thesaurus() -> Thesaurus:
     """Return the thesaurus, read once."""
-    path = resource_dir("data_templates") / "query" / "thesaurus.toml"
+    path = training_templates() / "query" / "thesaurus.toml"
     groups = tomllib.loads(path.read_text(encoding="utf-8"))["group"]
     return Thesaurus([one["rows"] for one in groups])

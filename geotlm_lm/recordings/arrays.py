@@ -4,52 +4,68 @@ from __future__ import annotations
 
 import math
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import IO
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.limits import (
-    DECLARED_BYTES,
-    FEWEST_KEPT,
-    KEPT_BYTES,
-    stride_for,
-    stride_note,
-)
 from geotlm_lm.recordings.pixels import (
     Layout,
-    Order,
     layout_of,
     parts_of,
     require_numbers,
+    rgb_frames,
     still_to_rgb,
-    to_rgb,
 )
+from geotlm_lm.recordings.policy import (
+    DECLARED_BYTES,
+    FEWEST_KEPT,
+    KEPT_BYTES,
+    Source,
+    SourceFrame,
+    kept_frames,
+    read_source,
+)
+
+ARRAY_SUFFIXES = (".npy", ".npz")
+
+SQUARE_PIXELS = "square_pixels"
+"""Key of an archive that says whether the camera's pixels were square when frames were saved."""
+
+BESIDES = ("fps", "background", SQUARE_PIXELS)
+"""Keys of an archive that hold no frames."""
+
+MOST_ARRAYS = 100
+"""Of an archive that is looked through for the one that holds frames."""
+
+PLAIN_BYTES, MOST_PACKED = 64 * 2**20, 200
+"""Bytes beyond which an array must not unpack to more than so many times what it takes in the file:
+frames that a sensor recorded pack to a third, and black ones to a thousandth."""
+
+STILL_BYTES = KEPT_BYTES // FEWEST_KEPT
+"""Bytes that an array beside the frames may unpack to: no frame is larger."""
+
+ARCHIVE_BYTES = 4 * KEPT_BYTES
+"""Bytes the frames of an archive may unpack to, of which `KEPT_BYTES` are held: a bound on time."""
+
+BLOCK_BYTES = 16 * 2**20
+"""Bytes of an archive unpacked at once, at least one step of frames."""
 
 
 def read_array(path: Path, layout: str | None = None) -> Clip:
-    """Return the clip in a .npy file.
-
-    Args:
-        path: Of the file.
-        layout: Checked; None to guess.
-
-    Raises:
-        UnreadableClip: If it holds no frames this can read.
-    """
+    """Return the clip in a .npy file, of a checked layout, None to guess it."""
     stored = map_array(path)
-    return _to_clip(stored, layout, str(path))
+    return _clip_of(lambda stride: stored[::stride], stored.shape, stored.dtype, layout, str(path))
 
 
 def read_archive(path: Path, layout: str | None = None) -> Clip:
     """Return the clip in a .npz file with `frames` and, optionally, `fps` and `background`.
-
-    What it states by `square_pixels` is told by `stated_square_pixels`.
 
     Where no array is called `frames`, the only other one is taken for them (`numpy.savez(path,
     frames)` calls it `arr_0`), or of several the only one with the shape of pictures, in colour
@@ -58,71 +74,63 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     Args:
         path: Of the file.
         layout: Of `frames`, checked; None to guess. The background has the same order of colours.
-
-    Raises:
-        UnreadableClip: If it holds no frames this can read.
     """
     name = str(path)
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
-        keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
+        keys = _keys(archive)
         key = _key_of_frames(archive, keys, name)
         # All that can be refused by what is declared is refused before anything is unpacked.
-        shape, _, dtype = _member_header(archive, key, name)
+        shape, is_fortran, dtype = _member_header(archive, key, name)
         _require_frames(shape, dtype, layout, name)
-        stated = [one for one in ("fps", "background") if one in keys]
-        for one in stated:
-            shape, _, dtype = _member_header(archive, one, name)
-            _check_unpacked(shape, dtype, STILL_BYTES, one, name)
-        frames, step, count = _read_frames(archive, key, name)
-        others = {one: _read_member(archive, one, name) for one in stated}
-    clip = _to_clip(frames, layout, name, step, count)
+        beside = [beside for beside in ("fps", "background") if beside in keys]
+        for other in beside:
+            other_shape, _, other_dtype = _member_header(archive, other, name)
+            _check_unpacked(other_shape, other_dtype, STILL_BYTES, other, name)
+        # Stored with the first axis fastest, a frame lies scattered over the whole array.
+        frame_bytes = math.prod(shape[1:]) * dtype.itemsize
+        is_whole = is_fortran or frame_bytes * FEWEST_KEPT > KEPT_BYTES
+        _check_unpacked(shape, dtype, KEPT_BYTES if is_whole else ARCHIVE_BYTES, key, name)
+    # A compressed array cannot be mapped: frames are held as stored beside those in RGB.
+    held_bytes = 0 if is_whole else frame_bytes
+    clip = _clip_of(
+        lambda stride: _unpacked(path, key, stride), shape, dtype, layout, name, held_bytes
+    )
     if key != "frames":
         clip = clip.with_note(f"The array '{key}' was taken for the frames.")
+    with _refusing_damage(name), zipfile.ZipFile(path) as archive:
+        others = {other: _read_member(archive, other) for other in beside}
     fps, idle = others.get("fps"), others.get("background")
-    order = parts_of(layout)[1]
-    return Clip(
-        clip.frames,
-        fps=_one_number(fps, name) if fps is not None else None,
-        background=still_to_rgb(idle, order, name) if idle is not None else None,
-        name=name,
-        frame_numbers=clip.frame_numbers,
-        recorded_frames=clip.recorded_frames,
-        notes=clip.notes,
+    return replace(
+        clip,
+        fps=None if fps is None else _number(fps, name),
+        background=None if idle is None else still_to_rgb(idle, parts_of(layout)[1], name),
     )
 
 
 def stated_square_pixels(path: Path) -> bool | None:
-    """Return whether a .npz file states by `square_pixels` that they are; None where it does not.
-
-    Raises:
-        UnreadableClip: If what it holds under that name is not one truth value.
-    """
+    """Return whether a .npz states by `square_pixels` that they are; None where it does not."""
     with _refusing_damage(str(path)), zipfile.ZipFile(path) as archive:
         if f"{SQUARE_PIXELS}.npy" not in archive.namelist():
             return None
-        value = _read_member(archive, SQUARE_PIXELS, str(path))
+        value = _read_member(archive, SQUARE_PIXELS)
     is_one = value.size == 1 and value.dtype.kind in "bui"
     if not is_one or value.reshape(()) not in (0, 1):
-        found = f"has value {value.reshape(())}" if is_one else f"has shape {value.shape}"
+        held = f"has value {value.reshape(())}" if is_one else f"has shape {value.shape}"
         raise UnreadableClip(
-            f"{path}: '{SQUARE_PIXELS}' {found} and type {value.dtype}, expected one truth value; "
+            f"{path}: '{SQUARE_PIXELS}' {held} and type {value.dtype}, expected one truth value; "
             f"save True or False or leave it out."
         )
     return bool(value.reshape(()))
 
 
 def declared_frames(path: Path) -> int:
-    """Return the bytes that the frames in a .npy or .npz file take; twice as many while read.
-
-    Raises:
-        UnreadableClip: If it is damaged, or declares what is refused.
-    """
+    """Return the bytes that the frames in a .npy or .npz file take; twice as many while read."""
     name = str(path)
     if path.suffix.lower() == ".npy":
         return _as_rgb(map_array(path).shape)
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
-        keys = sorted(entry.removesuffix(".npy") for entry in archive.namelist())
-        shape, _, dtype = _member_header(archive, _key_of_frames(archive, keys, name), name)
+        key = _key_of_frames(archive, _keys(archive), name)
+        shape, _, dtype = _member_header(archive, key, name)
         packed = min(math.prod(shape) * dtype.itemsize, KEPT_BYTES)
         return max(_as_rgb(shape), (packed + _as_rgb(shape)) // 2)
 
@@ -131,11 +139,8 @@ def _as_rgb(shape: tuple[int, ...]) -> int:
     return math.prod(shape) * (1 if 3 in shape[1:] else 3)
 
 
-SQUARE_PIXELS = "square_pixels"
-"""Key of an archive that tells whether the camera's pixels were square when frames were saved."""
-
-BESIDES = ("fps", "background", SQUARE_PIXELS)
-"""Keys of an archive that hold no frames."""
+def _keys(archive: zipfile.ZipFile) -> list[str]:
+    return sorted(entry.removesuffix(".npy") for entry in archive.namelist())
 
 
 def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
@@ -154,10 +159,6 @@ def _key_of_frames(archive: zipfile.ZipFile, keys: list[str], name: str) -> str:
     return others[0]
 
 
-MOST_ARRAYS = 100
-"""Of an archive that is looked through for the one that holds frames."""
-
-
 def _picture_rank(archive: zipfile.ZipFile, key: str, name: str) -> int:
     """Return a rank by an array's shape: colour 3, with alpha 2, grey 1; 0 of no frames."""
     try:
@@ -168,15 +169,6 @@ def _picture_rank(archive: zipfile.ZipFile, key: str, name: str) -> int:
     if len(shape) == 4:
         return 3 if 3 in (shape[1], shape[3]) else 2 * (shape[3] == 4)
     return int(len(shape) == 3)
-
-
-def read_still_array(path: Path, order: Order = "RGB") -> Frames:
-    """Return the one image in a .npy file, uint8, shape (rows, columns, 3).
-
-    Raises:
-        UnreadableClip: If it holds no single image.
-    """
-    return still_to_rgb(map_array(path), order, str(path))
 
 
 def map_array(path: Path) -> NDArray:
@@ -200,10 +192,7 @@ def map_array(path: Path) -> NDArray:
 
 
 def _read_header(stream: IO[bytes], name: str) -> tuple[tuple[int, ...], bool, np.dtype]:
-    """Return the declared shape, whether the first axis runs fastest, and the type.
-
-    Refuses what must not be read.
-    """
+    """Return the declared shape, whether the first axis runs fastest, and the type."""
     version = np.lib.format.read_magic(stream)
     read = np.lib.format.read_array_header_1_0
     if version != (1, 0):
@@ -247,89 +236,71 @@ def _require_frames(
     shape: tuple[int, ...], dtype: np.dtype, layout: str | None, name: str
 ) -> tuple[Layout, str]:
     """Return the layout of frames that are declared, refusing what can be none."""
-    axes, _ = parts_of(layout)
-    found = layout_of(shape, axes, name)
+    axes, note = layout_of(shape, parts_of(layout)[0], name)
     if math.prod(shape) == 0:
         raise UnreadableClip(f"{name}: holds no pixels (shape {shape}); record or export it again.")
     require_numbers(dtype, name)
-    rows, columns = (shape[found[0].index(axis)] for axis in "HW")
-    stride_for(shape[0], rows, columns, name)
-    return found
+    kept_frames(*(shape[axes.index(axis)] for axis in "HW"), name)
+    return axes, note
 
 
-PLAIN_BYTES, MOST_PACKED = 64 * 2**20, 200
-"""Bytes beyond which an array must not unpack to more than so many times what it takes in the file:
-frames that a sensor recorded pack to a third, and black ones to a thousandth."""
-
-STILL_BYTES = KEPT_BYTES // FEWEST_KEPT
-"""Bytes that an array beside the frames may unpack to: no frame is larger."""
-
-
-def _read_member(archive: zipfile.ZipFile, key: str, name: str) -> NDArray:
+def _read_member(archive: zipfile.ZipFile, key: str) -> NDArray:
     with archive.open(f"{key}.npy") as stream:
         return np.lib.format.read_array(stream, allow_pickle=False)
 
 
-def _read_frames(archive: zipfile.ZipFile, key: str, name: str) -> tuple[NDArray, int, int]:
-    """Return the frames that fit, at which step they were taken, and of how many.
-
-    A compressed array cannot be mapped; one that is too large to be held is unpacked in blocks, of
-    which every `step`-th frame is kept.
-    """
-    with archive.open(f"{key}.npy") as stream:
-        shape, is_fortran, dtype = _read_header(stream, name)
-        frame_bytes = math.prod(shape[1:]) * dtype.itemsize
-        # Frames stored with the first axis fastest lie scattered over the whole array.
-        is_whole = is_fortran or frame_bytes * FEWEST_KEPT > KEPT_BYTES
-        most = KEPT_BYTES if is_whole else ARCHIVE_BYTES
-        if _check_unpacked(shape, dtype, most, key, name) > KEPT_BYTES:
-            step = -(-shape[0] // (KEPT_BYTES // frame_bytes))
-            kept = np.empty((-(-shape[0] // step), *shape[1:]), dtype)
-            at_once = max(BLOCK_BYTES // (step * frame_bytes), 1)
-            for start in range(0, len(kept), at_once):
-                count = min(step * at_once, shape[0] - step * start)
-                block = np.frombuffer(stream.read(count * frame_bytes), dtype)
-                kept[start : start + at_once] = block.reshape(count, *shape[1:])[::step]
-            return kept, step, shape[0]
-    frames = _read_member(archive, key, name)
-    return frames, 1, shape[0] if shape else 0
+def _unpacked(path: Path, key: str, stride: int) -> NDArray:
+    """Return every `stride`-th frame, in blocks: all of them need not fit."""
+    with _refusing_damage(str(path)), zipfile.ZipFile(path) as archive:
+        with archive.open(f"{key}.npy") as stream:
+            shape, is_fortran, dtype = _read_header(stream, str(path))
+            if stride > 1 and not is_fortran:
+                frame_bytes = math.prod(shape[1:]) * dtype.itemsize
+                kept = np.empty((-(-shape[0] // stride), *shape[1:]), dtype)
+                at_once = max(BLOCK_BYTES // (stride * frame_bytes), 1)
+                for start in range(0, len(kept), at_once):
+                    count = min(stride * at_once, shape[0] - stride * start)
+                    block = np.frombuffer(stream.read(count * frame_bytes), dtype)
+                    kept[start : start + at_once] = block.reshape(count, *shape[1:])[::stride]
+                return kept
+        return _read_member(archive, key)[::stride]
 
 
-def _check_unpacked(shape: tuple[int, ...], dtype: np.dtype, most: int, key: str, name: str) -> int:
-    """Return the bytes an array of an archive unpacks to, refusing more than `most`."""
+def _check_unpacked(
+    shape: tuple[int, ...], dtype: np.dtype, most: int, key: str, name: str
+) -> None:
     declared = math.prod(shape) * dtype.itemsize
     if declared > most:
         raise UnreadableClip(
             f"{name}: '{key}' unpacks to {declared / 2**30:.1f} GiB, the limit for .npz is "
             f"{most / 2**30:g} GiB; save it as .npy instead."
         )
-    return declared
 
 
-ARCHIVE_BYTES = 4 * KEPT_BYTES
-"""Bytes the frames of an archive may unpack to, of which `KEPT_BYTES` are held: a bound on time."""
-
-BLOCK_BYTES = 16 * 2**20
-"""Bytes of an archive unpacked at once, at least one step of frames."""
-
-
-def _to_clip(
-    stored: NDArray, layout: str | None, name: str, step: int = 1, count: int | None = None
+def _clip_of(
+    stored_at: Callable[[int], NDArray],
+    shape: tuple[int, ...],
+    dtype: np.dtype,
+    layout: str | None,
+    name: str,
+    held_bytes: int = 0,
 ) -> Clip:
-    """Return stored frames, every `step`-th of a recording of `count`, as a clip that fits."""
-    order = parts_of(layout)[1]
-    found, layout_note = _require_frames(stored.shape, stored.dtype, layout, name)
-    rows, columns = (stored.shape[found.index(axis)] for axis in "HW")
-    more = stride_for(len(stored), rows, columns, name)
-    frames, range_note = to_rgb(stored[::more], found, order, name)
-    notes, count, stride = (layout_note, range_note), count or len(stored), step * more
-    if stride > 1:
-        notes = (*notes, stride_note(stride, count))
-    numbers = tuple(range(0, count, stride))
-    return Clip(frames, name=name, frame_numbers=numbers, notes=notes, recorded_frames=count)
+    """Return the clip of frames of a declared shape, which `stored_at` gives at a stride."""
+    axes, layout_note = _require_frames(shape, dtype, layout, name)
+    notes = [layout_note]
+
+    def frames(stride: int) -> Iterator[SourceFrame]:
+        pictures, range_note = rgb_frames(stored_at(stride), axes, parts_of(layout)[1], name)
+        notes.append(range_note)
+        yield from map(SourceFrame, pictures)
+
+    rows, columns = (shape[axes.index(axis)] for axis in "HW")
+    return read_source(
+        Source(name, frames, shape[0], (rows, columns), stored_bytes=held_bytes, notes=notes)
+    )
 
 
-def _one_number(value: NDArray, name: str) -> float | None:
+def _number(value: NDArray, name: str) -> float | None:
     if value.size != 1 or value.dtype.kind not in "uif":
         raise UnreadableClip(
             f"{name}: 'fps' has shape {value.shape} and type {value.dtype}, expected one number; "

@@ -36,13 +36,11 @@ class FrameOrder:
     Args:
         names: Of the images, in order.
         numbers: Where each stood in the recording, from 0; a frame that is missing leaves a gap.
-        left_out: Images without a number beside numbered frames.
         notes: What is not plain about the order, a sentence each.
     """
 
     names: tuple[str, ...]
     numbers: tuple[int, ...]
-    left_out: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -62,25 +60,13 @@ class _Name:
 
 
 def natural_order(stems: Sequence[str]) -> list[int]:
-    """Return the places of names in natural order: frame2, frame10; t-8, t7; 0.19, 0.2.
-
-    Args:
-        stems: The names without their endings.
-    """
+    """Return the places of stems in natural order: frame2, frame10; t-8, t7; 0.19, 0.2."""
     keys = [name.key for name in _parsed(stems, stems)]
     return sorted(range(len(stems)), key=keys.__getitem__)
 
 
 def frame_order(folder: str, names: Sequence[str]) -> FrameOrder:
-    """Return the order of the images of a folder.
-
-    Args:
-        folder: Its name, for errors.
-        names: Of its images, in any order.
-
-    Raises:
-        UnreadableClip: If they are the frames of several recordings, or of one in two formats.
-    """
+    """Return the order of the images of a folder, which is named in errors."""
     _refuse_two_formats(folder, names)
     stems = [PurePath(name).stem for name in names]
     parsed = sorted(_parsed(names, stems), key=lambda name: name.key)
@@ -92,24 +78,18 @@ def frame_order(folder: str, names: Sequence[str]) -> FrameOrder:
     if any(count > 1 for count in Counter(name.texts for name in others).values()):
         raise _several(folder, [*parsed, *others], lambda name: name.texts)
     order, numbers, notes = _ordered(folder, parsed)
-    left_out = tuple(name.name for name in others)
-    if left_out:
-        notes.append(f"Left out: {len(left_out)} named unlike the other images ({left_out[0]}).")
+    if others:
+        notes.append(f"Left out: {len(others)} named unlike the other images ({others[0].name}).")
     if (missing := numbers[-1] + 1 - len(numbers)) > 0:
         notes.append(
             f"The frames' numbers leave out {missing} of {numbers[-1] + 1}: these are missing; "
             f"times count them."
         )
-    return FrameOrder(tuple(name.name for name in order), numbers, left_out, tuple(notes))
+    return FrameOrder(tuple(name.name for name in order), numbers, tuple(notes))
 
 
 def _ordered(folder: str, natural: list[_Name]) -> tuple[list[_Name], tuple[int, ...], list[str]]:
-    """Return names in order, where each stood in the recording, and notes.
-
-    Args:
-        folder: For errors.
-        natural: Names with the same count of numbers, in natural order.
-    """
+    """Return names in order, where each stood in the recording, and notes."""
     columns = list(zip(*(name.numbers for name in natural), strict=True))
     varying = [place for place, column in enumerate(columns) if len(set(column)) > 1]
     counting = [place for place in varying if _is_counting(columns[place])]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.rank_quantile import quantile_by_rank
+from geotlm_lm.core.numbers import quantile_by_rank
 
 Colours = NDArray[np.uint8]
 """Pixels, colour first: (3, frames, rows, columns), or (3, rows, columns) of one image."""
@@ -67,10 +67,7 @@ FINE_SIDE = 32
 
 
 def require_legible(clip: Clip) -> Clip:
-    """Return the clip, unless its frames hold no picture of a gel.
-
-    Args:
-        clip: A few frames with their background, known or guessed.
+    """Return a few frames beside their background, unless they hold no picture of a gel.
 
     Raises:
         UnreadableClip: If the frames are tiny, one is mostly black, dim or overexposed, if they are
@@ -91,16 +88,9 @@ def require_legible(clip: Clip) -> Clip:
 
 
 def require_any_legible(clip: Clip) -> Clip:
-    """Return a recording, unless none of the frames looked at holds a picture: a flash is no harm.
-
-    Args:
-        clip: Of any length.
-
-    Raises:
-        UnreadableClip: As of `require_legible`, about the first of them.
-    """
+    """Return a recording, unless no frame looked at holds a picture: a flash is no harm."""
     refusals = []
-    for place in sorted({round(one) for one in np.linspace(0, len(clip) - 1, LOOKED_AT)}):
+    for place in sorted({round(place) for place in np.linspace(0, len(clip) - 1, LOOKED_AT)}):
         try:
             require_legible(replace(clip.select([place]), background=None))
         except UnreadableClip as error:
@@ -114,9 +104,6 @@ def without_damaged(clip: Clip) -> Clip:
     """Return a recording without single frames unlike the two beside them, which a note names.
 
     Decoders take a picture of which some bytes were overwritten for a whole one.
-
-    Args:
-        clip: As decoded.
     """
     if len(clip) < 3:
         return clip
@@ -144,13 +131,10 @@ LOOKED_AT = 9
 
 
 def noise_grey(lines: NDArray[np.uint8]) -> float:
-    """Return the standard deviation of the white noise along rows of pixels, in grey levels.
+    """Return the deviation of the white noise along rows of pixels, (..., columns), grey levels.
 
     From the median size of second differences, to which a smooth image adds next to nothing and a
     few edges nothing at all (a normal distribution's median is 0.6745 of its deviation).
-
-    Args:
-        lines: Pixels of one colour, shape (..., columns).
     """
     wide = lines.astype(np.int16)
     bend = wide[..., :-2] - 2 * wide[..., 1:-1] + wide[..., 2:]

@@ -1,15 +1,20 @@
-"""Arrays of any common layout and range to uint8 RGB frames, with notes on what was guessed."""
+"""Stored numbers and decoded pictures as pixels: guessed, checked, brought to uint8 RGB."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from functools import partial
 from typing import Literal, get_args
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import MIN_SIDE, Frames
+from geotlm_lm.core.clip import MIN_SIDE, Clip, Frames
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.recordings.decoding import require_full_range
+from geotlm_lm.core.geometry import IMAGE_SIDE
 
 Layout = Literal["THWC", "TCHW", "THW"]
 """T frames, H rows, W columns, C colours."""
@@ -24,22 +29,33 @@ WITH_ALPHA = (*COLOURS, 4)
 """Channels a frame may have where they are last or the layout is given: alpha is left out. A second
 axis of 4 is rather a clip of four frames."""
 
+AS_STORED = cv2.IMREAD_COLOR | cv2.IMREAD_ANYDEPTH
+"""Three colours, in as many bits as the file has: a decoder that is left to reduce them takes the
+upper 8 of 16, of which a camera of 10 or 12 bits fills none or few."""
+
+FULL_RANGE_FROM = 2**14
+"""Value in 16 bits from which an image is taken to use their range; cameras of 10 to 14 bits stay
+below it."""
+
+SQUASHED = (
+    f"Frames of {IMAGE_SIDE}x{IMAGE_SIDE} were taken for a 4:3 picture squashed to a square; pass "
+    f"--square-pixels if the camera's is square."
+)
+UNSQUASHED = (
+    f"Frames of {IMAGE_SIDE}x{IMAGE_SIDE} were taken as the camera took them, as asked or as the "
+    f"file states; their last column is left out."
+)
+
 
 def check_layout(layout: str | None) -> str | None:
-    """Return `layout` in capitals, None for a guess; `parts_of` tells its parts.
-
-    Raises:
-        UsageError: If it names no layout.
-        TypeError: If it is no text.
-    """
+    """Return `layout` in capitals, None for a guess; `parts_of` splits it."""
     if layout is None:
         return None
     if not isinstance(layout, str):
         raise TypeError(f"a layout is a str such as 'THWC', found {type(layout).__name__}")
     axes, dash, order = layout.upper().rpartition("-")
     is_ordered = order in get_args(Order) and (not dash or axes in ("THWC", "TCHW"))
-    is_known = is_ordered or layout.upper() in get_args(Layout)
-    if not is_known:
+    if not is_ordered and layout.upper() not in get_args(Layout):
         raise UsageError(
             f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}, or "
             f"BGR, or both as in THWC-BGR; leave it out to have it guessed."
@@ -56,16 +72,7 @@ def parts_of(layout: str | None) -> tuple[Layout | None, Order]:
 
 
 def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple[Layout, str]:
-    """Return the layout of an array of `shape` and a note on how it was found.
-
-    Args:
-        shape: Of the stored array.
-        layout: What the user says it is; None to guess.
-        name: Of the file, for errors.
-
-    Raises:
-        UnreadableClip: If the shape fits no layout, or not the one given.
-    """
+    """Return the layout of an array of `shape`, guessed unless it is given, and a note on it."""
     if layout is not None:
         is_grey = "C" not in layout
         if len(shape) != len(layout) or not (is_grey or shape[layout.index("C")] in WITH_ALPHA):
@@ -106,8 +113,8 @@ def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
             f"Shape {shape} fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is not."
         )
     if last or first:
-        found: Layout = "THWC" if last else "TCHW"
-        return found, f"Shape {shape} was taken for {found}; pass --layout if it is not."
+        layout: Layout = "THWC" if last else "TCHW"
+        return layout, f"Shape {shape} was taken for {layout}; pass --layout if it is not."
     elsewhere = next((axis for axis in (0, 2) if shape[axis] == COLOURS[-1]), None)
     if elsewhere is not None and shape[3] >= MIN_SIDE:  # else the last axis holds no columns
         place = "first" if elsewhere == 0 else "third"
@@ -121,8 +128,12 @@ def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
     )
 
 
-def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Frames, str]:
-    """Return uint8 RGB frames, shape (t, rows, columns, 3), and a note on the range of the values.
+def rgb_frames(
+    array: NDArray, layout: Layout, order: Order, name: str
+) -> tuple[Iterator[Callable[[], Frames]], str]:
+    """Return what makes each frame uint8 RGB, and a note on the range of the values.
+
+    One by one: a floating-point copy of the whole recording would not fit the bound.
 
     Args:
         array: Numbers in [0, 1] (floating point only), [0, 255], or uint16 that uses its range. A
@@ -130,9 +141,6 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
         layout: Of the axes of `array`.
         order: Of its colours.
         name: Of the file, for errors.
-
-    Raises:
-        UnreadableClip: If the values are no numbers, not finite, or out of range.
     """
     require_numbers(array.dtype, name)
     if array.size == 0:
@@ -155,34 +163,32 @@ def to_rgb(array: NDArray, layout: Layout, order: Order, name: str) -> tuple[Fra
     is_overshoot = array.dtype.kind == "f" and 1 < high < 2
     is_deep = array.dtype.kind == "u" and array.dtype.itemsize == 2 and high > 255
     if is_deep:
-        require_full_range(int(high), name)
+        _require_full_range(int(high), name)
     elif low < 0 or high > 255 or is_overshoot:
         raise UnreadableClip(
             f"{name}: values run from {low:g} to {high:g}, expected 0..1 or 0..255; "
             f"scale or clip them first."
         )
     is_unit = array.dtype.kind == "f" and high <= 1
+    span = "0..65535" if is_deep else "0..1" if is_unit else "0..255"
     if order == "BGR":
         array = array[..., ::-1]
-    frames = np.empty((*array.shape[:3], 3), np.uint8)
-    for target, source in zip(frames, array, strict=True):
-        # Frame by frame: a floating-point copy of the whole recording would not fit the bound.
-        if is_deep:
-            target[...] = source >> 8
-        else:
-            target[...] = np.rint(source * 255.0) if is_unit else np.rint(source)
-    span = "0..65535" if is_deep else "0..1" if is_unit else "0..255"
     advice = "; pass --layout BGR if OpenCV gave them" if order == "RGB" else ""
-    range_note = f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}."
-    return frames, range_note + alpha
+    note = f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}.{alpha}"
+    return (partial(_in_8_bits, frame, span) for frame in array), note
+
+
+def _in_8_bits(stored: NDArray, span: str) -> Frames:
+    frame = np.empty((*stored.shape[:2], 3), np.uint8)
+    if span == "0..65535":
+        frame[...] = stored >> 8
+    else:
+        frame[...] = np.rint(stored * 255.0) if span == "0..1" else np.rint(stored)
+    return frame
 
 
 def require_numbers(dtype: np.dtype, name: str) -> None:
-    """Refuse values that can be no pixels.
-
-    Raises:
-        UnreadableClip: If they are no numbers.
-    """
+    """Refuse values that can be no pixels."""
     if dtype.kind not in "uif":
         raise UnreadableClip(
             f"{name}: found values of type {dtype}, expected uint8 or floating point; "
@@ -191,11 +197,7 @@ def require_numbers(dtype: np.dtype, name: str) -> None:
 
 
 def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
-    """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers.
-
-    Raises:
-        UnreadableClip: If it is no single image.
-    """
+    """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers."""
     layout: Layout
     if array.ndim == 2:
         layout = "THW"
@@ -208,4 +210,102 @@ def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
             f"{name}: the background has shape {array.shape}, expected one image (H,W,3); "
             f"save a single idle frame."
         )
-    return to_rgb(array[None], layout, order, name)[0][0]
+    frames, _ = rgb_frames(array[None], layout, order, name)
+    return next(frames)()
+
+
+def rgb_of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Frames]:
+    """Return images of one file, blue first as `AS_STORED` gives them, as uint8 RGB."""
+    return [cv2.cvtColor(image, cv2.COLOR_BGR2RGB) for image in of_8_bits(decoded, name)]
+
+
+def of_8_bits(decoded: Sequence[NDArray[np.generic]], name: str) -> list[Frames]:
+    """Return images of one file, of any number of channels, as uint8: the upper bits of 16."""
+    [kind, *others] = {image.dtype for image in decoded}
+    if others or kind not in (np.uint8, np.uint16):
+        raise UnreadableClip(
+            f"{name}: holds values of type {kind}, expected 8 or 16 bits; scale the frames to "
+            f"0..255 and save them in 8 bits."
+        )
+    if kind == np.uint16:
+        _require_full_range(max(int(image.max(initial=0)) for image in decoded), name)
+        return [(image >> 8).astype(np.uint8) for image in decoded]
+    return list(decoded)
+
+
+def _require_full_range(largest: int, name: str) -> None:
+    """Refuse 16-bit values that stay too low to use their range, as those of 12-bit cameras do."""
+    if largest < FULL_RANGE_FROM:
+        raise UnreadableClip(
+            f"{name}: holds 16-bit values up to {largest}, expected 8 bits, or 16 that are "
+            f"used up to {2**16 - 1}; scale the frames to 0..255 and save them in 8 bits."
+        )
+
+
+@contextmanager
+def quiet_decoders() -> Iterator[None]:
+    """Keep OpenCV's decoders from writing to stderr: readers raise one sentence instead."""
+    loudness = cv2.utils.logging.getLogLevel()
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        yield
+    finally:
+        cv2.utils.logging.setLogLevel(loudness)
+
+
+def with_pixel_shape(clip: Clip, *, is_square: bool | None) -> Clip:
+    """Return a clip of the size that stands for the shape of its pixels, with a note on it.
+
+    Frames of our square's size are read as a squashed 4:3 picture, those of every other size as
+    they are (`core.geometry.camera_size`). Of square pixels, where the user or the file says so, a
+    column is left out: frames are then of another size, and lengths in pixels stay what they were,
+    as they would not if resized.
+    """
+    if clip.frames.shape[1:3] != (IMAGE_SIDE, IMAGE_SIDE):
+        return clip
+    if is_square is None:
+        return clip.with_note(SQUASHED)
+    if not is_square:
+        return clip
+    idle = clip.background
+    narrower = replace(
+        clip,
+        frames=with_square_pixels(clip.frames),
+        background=None if idle is None else with_square_pixels(idle),
+    )
+    return narrower.with_note(UNSQUASHED)
+
+
+def with_square_pixels(pictures: Frames) -> Frames:
+    """Return pictures of square pixels, (..., rows, columns, 3), in a size that stands for them."""
+    if pictures.shape[-3:-1] != (IMAGE_SIDE, IMAGE_SIDE):
+        return pictures
+    return np.ascontiguousarray(pictures[..., :-1, :])
+
+
+def jpeg(quality: float, image: Frames) -> Frames:
+    """Return an image through JPEG of a quality from 0 to 100."""
+    packed = cv2.imencode(".jpg", image[..., ::-1], [cv2.IMWRITE_JPEG_QUALITY, int(quality)])[1]
+    return cv2.imdecode(packed, cv2.IMREAD_COLOR)[..., ::-1].copy()
+
+
+def gained(gain: float, image: Frames) -> Frames:
+    """Return an image exposed `gain` times as long."""
+    return as_pixels(image * float(gain))
+
+
+def drifted(offset_grey: float, gain: float, frames: Frames) -> Frames:
+    """Return frames growing brighter evenly, up to `offset_grey` levels and a share `gain`."""
+    share = np.linspace(0, 1, len(frames))[:, None, None, None]
+    return as_pixels(frames * (1 + gain * share) + offset_grey * share)
+
+
+def faded(contrast: float, frames: Frames, background: Frames) -> Frames:
+    """Return frames with only a share of their change, noise and all, against the background."""
+    idle = background.astype(np.float64)
+    return as_pixels(idle + contrast * (frames - idle))
+
+
+def as_pixels(values: NDArray[np.floating]) -> Frames:
+    """Return values rounded and cut to what a pixel holds."""
+    return np.clip(np.rint(values), 0, 255).astype(np.uint8)

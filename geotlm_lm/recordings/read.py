@@ -1,29 +1,44 @@
-"""Any recording on disk to a clip: the room's front door. Chooses no frames."""
+"""Any recording on disk to a clip or to its frames one by one: the room's front door."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from contextlib import closing
 from dataclasses import replace
+from numbers import Integral
 from os import PathLike, fspath
 from pathlib import Path
 
+import numpy as np
+
 from geotlm_lm.core.clip import MOST_FPS, Clip, Frames, require_number
-from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError, require_inside
 from geotlm_lm.recordings.arrays import (
+    ARRAY_SUFFIXES,
+    map_array,
     read_archive,
     read_array,
-    read_still_array,
     stated_square_pixels,
 )
-from geotlm_lm.recordings.bags import BAG_SUFFIXES, is_bag, read_bag
-from geotlm_lm.recordings.images import IMAGE_SUFFIXES, read_folder, read_still_image
+from geotlm_lm.recordings.bags import BAG_SUFFIXES, BagSource, is_bag
+from geotlm_lm.recordings.images import (
+    IMAGE_SUFFIXES,
+    STACK_SUFFIXES,
+    read_folder,
+    read_stack,
+    read_still_image,
+)
 from geotlm_lm.recordings.legible import without_damaged
-from geotlm_lm.recordings.pixel_shape import with_pixel_shape
-from geotlm_lm.recordings.pixels import Order, check_layout, parts_of
-from geotlm_lm.recordings.span import require_motion
-from geotlm_lm.recordings.stacks import STACK_SUFFIXES, read_stack
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES, read_video
-
-ARRAY_SUFFIXES = (".npy", ".npz")
+from geotlm_lm.recordings.pixels import (
+    Order,
+    check_layout,
+    parts_of,
+    still_to_rgb,
+    with_pixel_shape,
+    with_square_pixels,
+)
+from geotlm_lm.recordings.policy import Source, read_source
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, VideoSource
 
 CLIP_SUFFIXES = (*ARRAY_SUFFIXES, *VIDEO_SUFFIXES, *STACK_SUFFIXES, *BAG_SUFFIXES)
 """Endings of files that are a recording each; a TIFF of one page is a frame."""
@@ -59,8 +74,7 @@ def read_clip(
         MissingDependency: If it is a bag and the extra `ros` is not installed, or AV1 video and the
             extra `lerobot` is not.
         UsageError: If the layout or the frame rate makes no sense.
-        TypeError: If `path` or `background` is none, such as an array, the frame rate is no number,
-            or the layout no text.
+        TypeError: If an argument is of another type, such as an array for `path`.
     """
     if not isinstance(path, str | PathLike):
         raise TypeError(
@@ -72,7 +86,7 @@ def read_clip(
             f"the background is a path, found {type(background).__name__}; give an image in memory "
             f"by dataclasses.replace(clip, background=image)"
         )
-    path = _given(path, "a recording's")
+    path = _path_of(path, "a recording's")
     checked = check_layout(layout)
     require_rate(fps)
     clip = _read(path, checked, topic)
@@ -94,12 +108,7 @@ def read_clip(
 
 
 def require_rate(fps: float | None) -> None:
-    """Refuse a frame rate that no camera has; None is none.
-
-    Raises:
-        UsageError: If it makes no sense.
-        TypeError: If it is no number.
-    """
+    """Refuse a frame rate that no camera has; None is none."""
     require_number(fps)
     if fps is not None and not 0 < fps < MOST_FPS:
         raise UsageError(
@@ -118,10 +127,10 @@ def read_background(path: str | Path, order: Order = "RGB") -> Frames:
     Raises:
         UnreadableClip: If the file is missing or holds no single image.
     """
-    path = _given(path, "an image's")
+    path = _path_of(path, "an image's")
     require_file(path, "an image")
     if path.suffix.lower() == ".npy":
-        return read_still_array(path, order)
+        return still_to_rgb(map_array(path), order, str(path))
     if path.suffix.lower() in IMAGE_SUFFIXES:
         return read_still_image(path)
     raise UnreadableClip(
@@ -130,7 +139,7 @@ def read_background(path: str | Path, order: Order = "RGB") -> Frames:
     )
 
 
-def _given(path: str | PathLike[str], wanted: str) -> Path:
+def _path_of(path: str | PathLike[str], wanted: str) -> Path:
     if not fspath(path):  # which stands for the current folder, as nobody means it
         raise UnreadableClip(f"An empty path was given, expected {wanted}; give it.")
     return Path(path)
@@ -138,37 +147,31 @@ def _given(path: str | PathLike[str], wanted: str) -> Path:
 
 def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
     if require_there(path).is_dir():
-        return read_bag(path, topic) if is_bag(path) else read_folder(path)
+        return read_source(BagSource(path, topic)) if is_bag(path) else read_folder(path)
     require_file(path)
     suffix = path.suffix.lower()
     if suffix == ".npy":
         return read_array(path, layout)
     if suffix == ".npz":
         return read_archive(path, layout)
-    if suffix in VIDEO_SUFFIXES:
-        return read_video(path)
+    if is_streamed(path):
+        return read_source(streamed_source(path, topic))
     if suffix in STACK_SUFFIXES:
         return read_stack(path)
-    if suffix in BAG_SUFFIXES:
-        return read_bag(path, topic)
     if suffix in IMAGE_SUFFIXES:
         raise UnreadableClip(
             f"{path}: only 1 frame was found, motion needs 2 or more; give the folder it lies in."
         )
     known = ", ".join(CLIP_SUFFIXES)
-    named = f"named '{suffix}'" if suffix else "without an ending"
+    ending = f"named '{suffix}'" if suffix else "without an ending"
     raise UnreadableClip(
-        f"{path}: files {named} are not known, expected {known} or a folder of images; "
+        f"{path}: files {ending} are not known, expected {known} or a folder of images; "
         f"export the recording as one of these."
     )
 
 
 def require_there(path: Path) -> Path:
-    """Return a path that leads somewhere.
-
-    Raises:
-        UnreadableClip: If it leads nowhere.
-    """
+    """Return a path that leads somewhere; refuse any other."""
     try:
         is_there = path.exists()
     except OSError as error:  # no right to look into a folder above it, or too long a name
@@ -179,11 +182,7 @@ def require_there(path: Path) -> Path:
 
 
 def require_file(path: Path, wanted: str = "a recording") -> None:
-    """Refuse what is no file that can be read.
-
-    Raises:
-        UnreadableClip: If it is missing, empty, no regular file, or cannot be opened.
-    """
+    """Refuse what is missing, empty, no regular file, or cannot be opened."""
     if not require_there(path).is_file():
         raise UnreadableClip(f"{path}: is not a regular file; give {wanted}.")
     if path.stat().st_size == 0:
@@ -198,3 +197,74 @@ def _unopened(path: Path, error: OSError) -> UnreadableClip:
     return UnreadableClip(
         f"{path}: cannot be opened ({error.strerror}); check the path and its permissions."
     )
+
+
+def is_streamed(path: str | Path) -> bool:
+    """Tell whether a recording is decoded frame by frame as it is played, and never held whole."""
+    return Path(path).suffix.lower() in VIDEO_SUFFIXES or is_bag(Path(path))
+
+
+def streamed_source(path: Path, topic: str | None = None) -> Source:
+    """Return the frames of a video or a bag."""
+    return BagSource(path, topic) if is_bag(path) else VideoSource(path)
+
+
+def each_frame(
+    clip: Clip, *, square_pixels: bool = False, topic: str | None = None
+) -> Iterator[tuple[int, Frames]]:
+    """Yield the number of every frame of a recording, and the frame, uint8 RGB.
+
+    A video or a bag of which only a part fits into memory is decoded anew, frame by frame, with the
+    options that the clip was read with.
+    """
+    numbers, path = clip.frame_numbers, Path(clip.name)
+    is_whole = len(numbers) < 2 or np.diff(numbers).min() == 1
+    if is_whole or not is_streamed(path):
+        yield from zip(numbers, clip.frames, strict=True)
+        return
+    with closing(streamed_source(path, topic).frames(1)) as frames:
+        for number, frame in enumerate(frames):
+            image = frame.decode()
+            if image is None:
+                return
+            yield number, with_square_pixels(image) if square_pixels else image
+
+
+def require_motion(clip: Clip) -> Clip:
+    """Refuse a clip of only one frame, in which nothing can move."""
+    if len(clip) < 2:
+        raise UnreadableClip(
+            f"{clip.name}: only 1 frame was found, motion needs 2 or more; give a recording, or "
+            f"several frames of it."
+        )
+    return clip
+
+
+def frames_inside(clip: Clip, span: tuple[int, int]) -> Clip:
+    """Return the frames of a span, two or more.
+
+    Args:
+        clip: The recording.
+        span: First and last frame, both included, by their `frame_numbers`: counted from 0 in the
+            recording, also where it was read at a stride.
+
+    Raises:
+        UsageError: If the span is not inside the clip, runs backwards, or holds one frame only.
+        TypeError: If the span is not two whole numbers.
+    """
+    ends = tuple(span) if isinstance(span, Iterable) else ()
+    if len(ends) != 2 or not all(isinstance(number, Integral) for number in ends):
+        raise TypeError(
+            f"a span is two frame numbers, found {str(span)[:40]}; give the first and the last to "
+            f"use, such as (40, 60)"
+        )
+    first, last = ends
+    numbers = np.asarray(clip.frame_numbers)
+    require_inside(first, last, int(numbers.min()), int(numbers.max()))
+    inside = np.flatnonzero((numbers >= first) & (numbers <= last))
+    if len(inside) < 2:
+        raise UsageError(
+            f"Frames {first}:{last} hold {len(inside)} of the frames that were read, expected 2 or "
+            f"more; give a longer span, or cut the recording so that all of it is read."
+        )
+    return clip.select([int(index) for index in inside])

@@ -10,7 +10,7 @@ from typing import BinaryIO
 import cv2
 
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.recordings.limits import kept_frames
+from geotlm_lm.recordings.policy import kept_frames
 
 TURNS = {
     2: "mirrored left to right",
@@ -62,15 +62,7 @@ class StatedShape:
         return (*turned, f"{ratio}: pictures were stretched until their pixels are square.")
 
     def squared(self, image: Frames, name: str) -> Frames:
-        """Return a picture whose pixels are square: the narrower side of them is stretched.
-
-        Args:
-            image: Turned already, shape (rows, columns, 3).
-            name: Of the file, for errors.
-
-        Raises:
-            UnreadableClip: If it would be too large.
-        """
+        """Return a turned picture with the narrower side of its pixels stretched."""
         if self._is_square or self._is_senseless:
             return image
         rows, columns = self._squared_size(*image.shape[:2])
@@ -99,24 +91,13 @@ class StatedShape:
 
 
 def video_shape(degrees: float, wide: float, high: float) -> StatedShape:
-    """Return what a video states.
-
-    Args:
-        degrees: By which its pictures are turned clockwise.
-        wide: Width of a stored pixel in any unit; 0 where it is not stated.
-        high: Height of it likewise.
-    """
+    """Return what a video states: degrees clockwise, width and height of a pixel or 0."""
     orientation = {90: 6, 180: 3, 270: 8}.get(round(degrees) % 360, 1)
     return StatedShape(orientation, _turned_aspect(orientation, wide, high))
 
 
 def image_shape(file: BinaryIO) -> StatedShape:
-    """Return what an image file states: its orientation, and its resolutions across and down.
-
-    Args:
-        file: Open for reading, at any place; one that is damaged states nothing. A limit of its
-            size is the caller's.
-    """
+    """Return the orientation and the resolutions that an open image file states, if it is whole."""
     from PIL import Image
     from PIL.TiffImagePlugin import PREFIXES
 

@@ -1,53 +1,206 @@
-"""Where a stream comes from: a camera, or a recording played frame by frame."""
+"""Streams of frames: a camera, or a recording played; late frames are dropped and counted.
+
+Frames of a source that does not wait go through a bounded buffer: when the reader falls behind, the
+oldest are dropped.
+"""
 
 from __future__ import annotations
 
+import math
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import ExitStack
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, closing
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
 import cv2
 import numpy as np
 
-from geotlm_lm.core.errors import MissingDependency
-from geotlm_lm.recordings.bags import bag_images, bag_rate, is_bag, resized
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.errors import MissingDependency, Stalled
 from geotlm_lm.recordings.containers import declared_end
-from geotlm_lm.recordings.latest_frames import (
-    STALLED_S,
-    LatestFrames,
-    Patience,
-    StreamFrame,
-    Unwaiting,
-)
+from geotlm_lm.recordings.legible import DARK_GREY
 from geotlm_lm.recordings.pixels import check_layout
-from geotlm_lm.recordings.read import read_clip, require_file, require_rate, require_there
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES, rate_ahead, undecoded
-from geotlm_lm.recordings.video_file import quiet_capture, video_file
+from geotlm_lm.recordings.policy import rate_ahead, require_same_size
+from geotlm_lm.recordings.read import (
+    is_streamed,
+    read_clip,
+    require_file,
+    require_rate,
+    require_there,
+    streamed_source,
+)
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
 
 DEFAULT_FPS = 25.0
 """Taken where a source does not say: a GelSight Mini's rate."""
 
+BUFFERED_FRAMES = 25
+"""Frames that may wait: a second of a GelSight Mini; after that an answer is no longer live."""
+
+THREAD_END_S = 1.0
+"""Seconds the thread that brings the frames is waited for: one that is inside a decoder when Python
+ends aborts the process, and no frame takes as long."""
+
+SILENT_S = 2.0
+"""Seconds without a frame after which a live source is reported silent, and again after twice as
+many each time."""
+
+STALLED_S = 10.0
+"""Seconds without a frame after which a reader waits for no more."""
+
+STUCK_EVERY_PX = 8
+"""Of so many rows and columns one is looked at: noise leaves not all of them as they are."""
+
+
+@dataclass(frozen=True, eq=False)
+class StreamFrame:
+    """One frame of a stream, uint8 RGB, seconds into the stream, counted from 0."""
+
+    image: Frames
+    time_s: float
+    number: int
+
+
+@dataclass(frozen=True)
+class Patience:
+    """How long a source may be silent, and what is called meanwhile.
+
+    Args:
+        stalled_s: Seconds without a frame after which its reader is refused;
+            infinite for one that may pause, as a recording may.
+        tell: Called with the seconds without a frame so far, at rising intervals.
+    """
+
+    stalled_s: float = math.inf
+    tell: Callable[[float], None] | None = None
+
+
+def rising_s() -> Iterator[float]:
+    """Return the seconds after which to report what goes on, and again."""
+    return (SILENT_S * 2**number for number in count())
+
+
+class LatestFrames:
+    """A buffer between a source that does not wait and a reader that may be slow.
+
+    Beyond its capacity the oldest frame is dropped.
+    """
+
+    def __init__(
+        self,
+        capacity: int = BUFFERED_FRAMES,
+        patience: Patience | None = None,
+        name: str = "The source",
+    ) -> None:
+        self._name = name
+        self._waiting: deque[StreamFrame] = deque()
+        self._capacity, self._is_closed = capacity, False
+        self._patience = patience or Patience()
+        self._changed = threading.Condition()
+        self.dropped = 0
+        self._error: Exception | None = None
+
+    def put(self, frame: StreamFrame) -> None:
+        """Add a frame; never waits."""
+        with self._changed:
+            self._waiting.append(frame)
+            if len(self._waiting) > self._capacity:
+                self._waiting.popleft()
+                self.dropped += 1
+            self._changed.notify()
+
+    def close(self, error: Exception | None = None) -> None:
+        """End the stream; what waits is still read, then `error` is raised to the reader."""
+        with self._changed:
+            self._is_closed, self._error = True, error
+            self._changed.notify()
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        """Yield frames in order, waiting for each, until the stream is closed."""
+        while True:
+            self._wait()
+            with self._changed:
+                if not self._waiting:
+                    if self._error is not None:
+                        raise self._error
+                    return
+                frame = self._waiting.popleft()
+            yield frame
+
+    def _wait(self) -> None:
+        began = time.monotonic()
+        moments_s = rising_s() if self._patience.tell else iter(())
+        due_s = next(moments_s, math.inf)
+        while True:
+            with self._changed:
+                if self._waiting or self._is_closed:
+                    return
+                silent_s = time.monotonic() - began
+                next_s = min(due_s, self._patience.stalled_s) - silent_s
+                if next_s > 0:  # half a second at most: a signal must be heard
+                    self._changed.wait(timeout=min(next_s, 0.5))
+                    continue
+            if due_s <= min(silent_s, self._patience.stalled_s):
+                self._patience.tell(due_s)
+                due_s = next(moments_s)
+            else:
+                raise Stalled(
+                    f"{self._name} has given no frame for {self._patience.stalled_s:g} s; check "
+                    f"its cable, close other programs that use it, and start again, or wait "
+                    f"longer by --stalled-after."
+                )
+
+
+class Unwaiting(ABC):
+    """A source that does not wait for its reader: a thread brings the frames into a buffer."""
+
+    is_live = False
+    """Whether its frames are taken now, so that one that does not come is missing."""
+
+    def __init__(self, name: str, buffer: LatestFrames | None = None) -> None:
+        self.name, self._buffer, self._is_read = name, buffer or LatestFrames(), True
+
+    @property
+    def dropped(self) -> int:
+        """Frames the reader was too slow for."""
+        return self._buffer.dropped
+
+    def __iter__(self) -> Iterator[StreamFrame]:
+        """Yield the newest frames until the reader stops or they end."""
+        bringer = threading.Thread(target=self._bring_all, daemon=True)
+        bringer.start()
+        try:
+            yield from self._buffer
+        finally:
+            self._is_read = False
+            bringer.join(THREAD_END_S)
+
+    def _bring_all(self) -> None:
+        try:
+            self._bring()
+        except Exception as error:  # of any kind: the reader must not wait for ever
+            self._buffer.close(error)
+        else:
+            self._buffer.close()
+
+    @abstractmethod
+    def _bring(self) -> None:
+        """Put frames into the buffer until they end or nobody reads."""
+
 
 class Recording:
-    """A file played frame by frame; nothing is dropped.
+    """A file played frame by frame, with the options of `open_source`; nothing is dropped.
 
     `fps` is the rate of the frames it gives: less than the recording's own where a long array is
     read at a stride.
-
-    Args:
-        path: A video, an array, a bag, or a folder of images.
-        fps: Frames per second of the whole recording; None to take what the file says.
-        layout: Axes of an array; None to guess.
-        square_pixels: Whether an array's or images' pixels are square; None as in `read_clip`.
-        topic: Of a bag's images; None where it has images on one topic only.
-
-    Raises:
-        UnreadableClip: If it is missing or holds no frames, in one sentence.
-        MissingDependency: If it is a bag and the extra `ros` is not installed.
     """
+
+    is_live, dropped = False, 0
 
     def __init__(
         self,
@@ -57,33 +210,25 @@ class Recording:
         square_pixels: bool | None = None,
         topic: str | None = None,
     ) -> None:
-        self.name, self.dropped, self._is_rate_given = str(path), 0, fps is not None
-        self.is_live = False
-        self._path, self._is_video = path, path.suffix.lower() in VIDEO_SUFFIXES
-        self._topic, self._is_bag = topic, is_bag(path)
+        self.name, self._path, self._topic = str(path), path, topic
+        self._is_rate_given, self._clip, step = fps is not None, None, 1
         require_there(path)
-        if self._is_video:
-            require_file(path)  # a pipe of that name would be waited for without end
-            with video_file(path) as capture:
-                rated = rate_ahead(capture)
-            if rated is None:
-                raise undecoded(path)
-            rate, notes = rated
-            told = rate or 0.0
-            self.notes = (*capture.notes, *(notes if fps is None else ()))
-            end = declared_end(path)
-            if end is not None and (missing := end.note()) is not None:
-                self.notes = (*self.notes, missing)
-        elif self._is_bag:
-            rate, notes = bag_rate(path, topic)
-            told, self.notes = rate or 0.0, notes if fps is None else ()
+        if is_streamed(path):
+            is_video = path.suffix.lower() in VIDEO_SUFFIXES
+            if is_video:
+                require_file(path)  # a pipe of that name would be waited for without end
+            source = streamed_source(path, topic)
+            recorded_fps, notes = rate_ahead(source)
+            end = declared_end(path) if is_video else None
+            missing = None if end is None else end.note()
+            self.notes = (*source.notes, *(notes if fps is None else ()))
+            self.notes += () if missing is None else (missing,)
         else:
             self._clip = read_clip(path, layout=layout, square_pixels=square_pixels)
-            self.notes = self._clip.notes
-            told = self._clip.fps or 0.0
-        self._recorded_fps, self.is_rate_assumed = _rate(fps, told)
-        # The usual step, as frames may be missing between two.
-        step = 1 if is_streamed(path) else int(np.diff(self._clip.frame_numbers).min())
+            self.notes, recorded_fps = self._clip.notes, self._clip.fps
+            # The usual step, as frames may be missing between two.
+            step = int(np.diff(self._clip.frame_numbers).min())
+        self._recorded_fps, self.is_rate_assumed = _rate(fps, recorded_fps or 0.0)
         self.fps = self._recorded_fps / step
 
     def __iter__(self) -> Iterator[StreamFrame]:
@@ -91,49 +236,35 @@ class Recording:
 
         Its frames have their own times, unless a frame rate was given: they need not be even.
         """
-        if self._is_bag:
-            yield from self._of_bag()
-            return
-        if not self._is_video:
+        if self._clip is not None:
             for number, image in zip(self._clip.frame_numbers, self._clip.frames, strict=True):
                 yield StreamFrame(image, number / self._recorded_fps, number)
             return
-        step_s = 1 / self._recorded_fps
-        time_s, first_s = -step_s, 0.0
-        with video_file(self._path) as capture:
-            for number in count():
-                is_decoded, image = capture.read()
-                if not is_decoded:
+        source, step_s = streamed_source(self._path, self._topic), 1 / self._recorded_fps
+        time_s, first_ms, first_image = -step_s, 0.0, None
+        with closing(source.frames(1)) as frames:
+            for number, frame in enumerate(frames):
+                image = frame.decode()
+                if image is None:
                     return
-                stamp_s = float(capture.get(cv2.CAP_PROP_POS_MSEC)) / 1000
-                first_s = first_s if number else stamp_s
-                is_later = stamp_s - first_s > time_s  # false of files that have no stamps
-                is_stamped = is_later and not self._is_rate_given
-                time_s = stamp_s - first_s if is_stamped else time_s + step_s
-                yield StreamFrame(cv2.cvtColor(image, cv2.COLOR_BGR2RGB), time_s, number)
-
-    def _of_bag(self) -> Iterator[StreamFrame]:
-        first = shape = None
-        for number, one in enumerate(bag_images(self._path, self._topic)):
-            image, first = one.decoded(), first or one
-            shape = shape or image.shape
-            if image.shape != shape:
-                raise resized(self.name, number, image.shape, shape)
-            # Stamps that are missing or do not rise are left to whoever follows the stream.
-            is_stamped = first.stamp_s > 0 and one.stamp_s > 0
-            taken_s = (
-                one.stamp_s - first.stamp_s if is_stamped else one.received_s - first.received_s
-            )
-            time_s = number / self._recorded_fps if self._is_rate_given else taken_s
-            yield StreamFrame(image, time_s, number)
+                first_image = image if first_image is None else first_image
+                require_same_size(source, number, image, first_image)
+                if self._is_rate_given:
+                    time_s = number / self._recorded_fps
+                elif frame.received_ms is not None:
+                    # Stamps that do not rise are left to what follows the stream.
+                    is_stamped = frame.stamp_ms is not None
+                    time_s = (frame.stamp_ms if is_stamped else frame.received_ms) / 1000
+                else:
+                    first_ms = first_ms if number else frame.stamp_ms
+                    stamp_s = frame.stamp_ms / 1000 - first_ms / 1000
+                    # Files that have no stamps have the same one again and again.
+                    time_s = stamp_s if stamp_s > time_s else time_s + step_s
+                yield StreamFrame(image, time_s, number)
 
 
 class RealTimePlayback(Unwaiting):
-    """A recording played at its own rate, as a camera would give it: late frames are dropped.
-
-    Args:
-        recording: What is played.
-    """
+    """A recording played at its own rate, as a camera would give it: late frames are dropped."""
 
     def __init__(self, recording: Recording) -> None:
         super().__init__(recording.name)
@@ -150,17 +281,7 @@ class RealTimePlayback(Unwaiting):
 
 
 class Camera(Unwaiting):
-    """A camera, read as fast as it gives frames; nothing about it is guessed but its rate.
-
-    Args:
-        device: Its number, or the path of its device file.
-        fps: Frames per second; None to take what it says. Each frame has its own time all the same.
-        patience: With a camera that gives no frames; None for the usual.
-
-    Raises:
-        MissingDependency: If it does not open, with what to do.
-        Stalled: If it opens and gives no frame.
-    """
+    """A camera, read as fast as it gives frames; each has its own time, whatever the rate."""
 
     notes: tuple[str, ...] = ()
     is_live = True
@@ -168,17 +289,16 @@ class Camera(Unwaiting):
     def __init__(
         self, device: int | str, fps: float | None = None, patience: Patience | None = None
     ) -> None:
-        patience, told_name = patience or Patience(STALLED_S), f"Camera {device}"
-        super().__init__(str(device), LatestFrames(patience=patience, name=told_name))
+        patience, shown_name = patience or Patience(STALLED_S), f"Camera {device}"
+        super().__init__(str(device), LatestFrames(patience=patience, name=shown_name))
         self._opened, self._is_open = ExitStack(), False
-        first = LatestFrames(patience=patience, name=told_name)
+        first = LatestFrames(patience=patience, name=shown_name)
         threading.Thread(target=self._open, args=(device, first), daemon=True).start()
         next(iter(first), None)
         if not self._is_open:
             self._opened.close()
             raise MissingDependency(_advice(device))
-        told = float(self._capture.get(cv2.CAP_PROP_FPS))
-        self.fps, self.is_rate_assumed = _rate(fps, told)
+        self.fps, self.is_rate_assumed = _rate(fps, float(self._capture.get(cv2.CAP_PROP_FPS)))
 
     def _open(self, device: int | str, first: LatestFrames) -> None:
         """Wait for the first frame; a driver may do so for ever."""
@@ -244,22 +364,46 @@ def open_source(
     return RealTimePlayback(recording) if at_its_rate else recording
 
 
-def is_streamed(path: str | Path) -> bool:
-    """Tell whether a recording is decoded frame by frame as it is played, and never held whole."""
-    return Path(path).suffix.lower() in VIDEO_SUFFIXES or is_bag(Path(path))
-
-
-def _rate(given: float | None, told: float) -> tuple[float, bool]:
+def _rate(fps: float | None, source_fps: float) -> tuple[float, bool]:
     """Return frames per second, and whether neither the user nor the source says so."""
-    if given is not None:
-        return given, False
-    return (told, False) if 0 < told < 1e4 else (DEFAULT_FPS, True)
+    if fps is not None:
+        return fps, False
+    return (source_fps, False) if 0 < source_fps < 1e4 else (DEFAULT_FPS, True)
 
 
 def _advice(device: int | str) -> str:
-    found = sorted(str(path) for path in Path("/dev").glob("video*"))
-    seen = f"cameras found: {', '.join(found)}" if found else "no /dev/video* was found"
+    cameras = sorted(str(path) for path in Path("/dev").glob("video*"))
+    listed = f"cameras found: {', '.join(cameras)}" if cameras else "no /dev/video* was found"
     return (
-        f"Camera {device} does not open ({seen}); plug the sensor in, close other programs that "
+        f"Camera {device} does not open ({listed}); plug the sensor in, close other programs that "
         f"use it, see that your user is in the group 'video', or give a recording's path."
     )
+
+
+class StuckPicture:
+    """Notices that frames are all the same, or black, for some time; `note` says so until then."""
+
+    def __init__(self) -> None:
+        self._before: Frames | None = None
+        self.note = ""
+        self._kind, self._since_s, self._moments_s = "", 0.0, rising_s()
+        self._due_s = next(self._moments_s)
+
+    def after(self, image: Frames, time_s: float) -> str:
+        """Take in the next frame, and return a sentence, at rising times, or ""."""
+        seen = image[::STUCK_EVERY_PX, ::STUCK_EVERY_PX].copy()
+        is_same = self._before is not None and np.array_equal(seen, self._before)
+        kind = "black" if seen.max() <= DARK_GREY else "all the same" if is_same else ""
+        self._before = seen
+        if kind != self._kind or not kind:
+            self.note, self._kind = "", kind
+            self._since_s, self._moments_s = time_s, rising_s()
+            self._due_s = next(self._moments_s)
+        if not kind or time_s - self._since_s < self._due_s:
+            return ""
+        stuck_s, self._due_s = self._due_s, next(self._moments_s)
+        self.note = (
+            f"The camera's frames have been {kind} for {stuck_s:g} s; check its cable and the "
+            f"sensor's lights."
+        )
+        return self.note

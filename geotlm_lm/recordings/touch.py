@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.rank_quantile import quantile_by_rank
+from geotlm_lm.core.numbers import quantile_by_rank
 
 Floats = NDArray[np.float32]
 
@@ -63,12 +63,9 @@ half out of the image seven in ten."""
 
 @dataclass(frozen=True, eq=False)
 class Change:
-    """How frames differ from the idle gel.
+    """How frames differ from the idle gel: green, at the width the change is measured at.
 
-    Args:
-        frames: Green of each frame at the width the change is measured at, grey levels.
-        changes: What is left of each after the idle gel, a change of exposure and noise are taken
-            away.
+    Of `changes` the idle gel, a change of exposure and noise are taken away.
     """
 
     frames: tuple[Floats, ...]
@@ -114,14 +111,7 @@ class Change:
 
 
 def change_from_idle(clip: Clip) -> Change:
-    """Compare the frames of a clip with its idle gel.
-
-    Args:
-        clip: Frames of any size with a background.
-
-    Raises:
-        ValueError: If the clip has no background.
-    """
+    """Compare the frames of a clip with its background."""
     if clip.background is None:
         raise ValueError("the change is measured against an idle frame, found none")
     idle = _small(clip.background)
@@ -130,15 +120,7 @@ def change_from_idle(clip: Clip) -> Change:
 
 
 def change_map(frame: Frames, idle: Frames) -> Floats:
-    """Return where a frame is imprinted: from 0, as an idle gel may be, to 1, clearly touched.
-
-    Args:
-        frame: uint8 RGB.
-        idle: The idle gel, of the same size.
-
-    Returns:
-        Of the whole picture, `MAP_SIZE` rows and columns.
-    """
+    """Return where a frame is imprinted, `MAP_SIZE`: 0 as an idle gel, 1 clearly touched."""
     change = np.abs(_smooth(_small(frame) - _small(idle)))
     few = cv2.resize(change, MAP_SIZE[::-1], interpolation=cv2.INTER_AREA)
     return np.clip((few - UNTOUCHED_GREY) / (CLEAR_GREY - UNTOUCHED_GREY), 0, 1)

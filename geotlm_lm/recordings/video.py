@@ -1,26 +1,32 @@
-"""Frames from video files, at a stride that keeps long recordings within memory."""
+"""Frames from video files, decoded by what can, their pictures turned and shaped as stated."""
 
 from __future__ import annotations
 
-import time
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
+from importlib.util import find_spec
+from io import SEEK_END
+from itertools import chain
 from pathlib import Path
+from typing import IO, TYPE_CHECKING
 
 import cv2
 import numpy as np
 
-from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.core.files import plain_name
 from geotlm_lm.recordings.containers import WHOLE_SHARE, cut_off_note, declared_end
-from geotlm_lm.recordings.frame_times import length_s, rate_by, uneven_times_s
-from geotlm_lm.recordings.limits import (
-    DECODED_FRAMES,
-    DECODING_S,
-    FEWEST_KEPT,
-    RATED_FRAMES,
-    kept_frames,
-    stride_note,
-)
-from geotlm_lm.recordings.video_file import GIF, Capture, video_file
+from geotlm_lm.recordings.pixels import quiet_decoders
+from geotlm_lm.recordings.policy import Source, SourceFrame, kept_frames
+from geotlm_lm.recordings.stated_shape import DAMAGED, StatedShape, video_shape
+
+if TYPE_CHECKING:
+    from av.video.frame import VideoFrame
+
+GIF = ".gif"
 
 VIDEO_SUFFIXES = (".mp4", ".m4v", ".avi", ".mov", ".mkv", ".webm", GIF)
 
@@ -30,102 +36,186 @@ LOSSY_SUFFIXES = (".mp4", ".m4v", ".webm", GIF)
 of a GIF 2.3."""
 
 
-def read_video(path: Path) -> Clip:
-    """Return the clip in a video file.
+class VideoSource(Source):
+    """A video file as a source of frames; AV1 needs the extra `lerobot`."""
 
-    Raises:
-        UnreadableClip: If no frame of it can be decoded, or the frames are too large.
-        MissingDependency: If it is AV1 video, and what decodes it is not installed.
-    """
-    with video_file(path) as capture:
-        frames, stride, times_ms, is_whole = _decode(capture, str(path))
-        told = float(capture.get(cv2.CAP_PROP_FPS))
-        declared = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
-    if not frames:
-        raise undecoded(path)
-    seen, suffix = len(times_ms), path.suffix.lower()
-    fps, notes = rate_by(times_ms, told)
-    notes = (*capture.notes, *notes)
-    if is_whole:
-        # Of a container that declares no duration OpenCV guesses the count by its size.
-        declared_s = declared / told if told > 0 and seen < WHOLE_SHARE * declared else None
-        cut_off = cut_off_note(path, seen, length_s(times_ms), declared_s)
-        notes = notes if cut_off is None else (*notes, cut_off)
-    if suffix in LOSSY_SUFFIXES:
-        notes = (
-            *notes,
-            f"This {suffix[1:]} video is lossy and blurs fine imprints; record .npy, .png or FFV1 "
-            f"instead.",
-        )
-    if stride > 1:
-        notes = (*notes, stride_note(stride, seen))
-    if not is_whole:
-        notes = (*notes, f"Only the first {seen} frames were read; cut the recording.")
-    return Clip(
-        np.stack(frames),
-        fps=fps,
-        name=str(path),
-        frame_numbers=tuple(range(0, seen, stride)),
-        recorded_frames=seen,
-        notes=notes,
-        times_s=uneven_times_s(times_ms, fps),
-    )
+    declared_frames = 0.0
+    """How many frames the header says there are; often a guess by the file's size."""
 
+    def __init__(self, path: Path) -> None:
+        super().__init__(str(path), self._decoded, end_notes=self._end, no_frames=self._undecoded)
+        self._path, self._suffix = path, path.suffix.lower()
 
-def undecoded(path: Path) -> UnreadableClip:
-    """Return the error of a video of which no frame can be decoded."""
-    end = declared_end(path)
-    if end is not None and end.declared_bytes is not None and end.note() is not None:
-        share = end.present_bytes / end.declared_bytes
+    def _decoded(self, stride: int) -> Iterator[SourceFrame]:
+        if self._suffix == GIF:
+            yield from _gif_frames(self._path, self)
+            return
+        with quiet_capture(self._path, cv2.CAP_FFMPEG) as capture:
+            if not _is_undecoded_av1(capture, self._path):
+                yield from _captured_frames(capture, self)
+                return
+        yield from _av_frames(self._path, self)
+
+    def _end(self, times_ms: Sequence[float], is_whole: bool) -> list[str]:
+        notes, declared_s, length_s = [], None, None
+        if is_whole:
+            # Of a container that declares no duration OpenCV guesses the count by its size.
+            if self.header_fps > 0 and len(times_ms) < WHOLE_SHARE * self.declared_frames:
+                declared_s = self.declared_frames / self.header_fps
+            if len(times_ms) > 1 and times_ms[-1] > times_ms[0]:  # the last frame included
+                length_s = (times_ms[-1] + float(np.median(np.diff(times_ms)))) / 1000
+            note = cut_off_note(self._path, len(times_ms), length_s, declared_s)
+            notes += [] if note is None else [note]
+        if self._suffix in LOSSY_SUFFIXES:
+            notes.append(
+                f"This {self._suffix[1:]} video is lossy and blurs fine imprints; record .npy, "
+                f".png or FFV1 instead."
+            )
+        return notes
+
+    def _undecoded(self) -> UnreadableClip:
+        end = declared_end(self._path)
+        if end is not None and end.declared_bytes is not None and end.note() is not None:
+            share = end.present_bytes / end.declared_bytes
+            return UnreadableClip(
+                f"{self._path}: only {share:.0%} of the file is there, cut off before its index; "
+                f"copy or record it again."
+            )
         return UnreadableClip(
-            f"{path}: only {share:.0%} of the file is there, cut off before its index; copy or "
-            f"record it again."
+            f"{self._path}: no frame of it can be decoded, expected a "
+            f"{', '.join(VIDEO_SUFFIXES)} video; copy or export it again."
         )
-    return UnreadableClip(
-        f"{path}: no frame of it can be decoded, expected a {', '.join(VIDEO_SUFFIXES)} video; "
-        f"copy or export it again."
+
+
+@contextmanager
+def quiet_capture(source: Path | int, backend: int) -> Iterator[cv2.VideoCapture]:
+    """Open a video or a camera while OpenCV's decoders keep silent, and release it afterwards."""
+    # Decoders write to stderr on their own; readers raise one sentence instead.
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+    with ExitStack() as opened:
+        opened.enter_context(quiet_decoders())
+        opens = opened.enter_context(plain_name(source)) if isinstance(source, Path) else source
+        capture = cv2.VideoCapture(opens, backend)
+        opened.callback(capture.release)
+        yield capture
+
+
+def _captured_frames(capture: cv2.VideoCapture, source: VideoSource) -> Iterator[SourceFrame]:
+    shape = video_shape(
+        capture.get(cv2.CAP_PROP_ORIENTATION_META),
+        capture.get(cv2.CAP_PROP_SAR_NUM),
+        capture.get(cv2.CAP_PROP_SAR_DEN),
     )
+    source.notes += shape.notes
+    source.header_fps = float(capture.get(cv2.CAP_PROP_FPS))
+    source.declared_frames = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
+
+    def decode() -> Frames | None:
+        is_decoded, image = capture.retrieve()
+        return _as_shown(image, shape, source.name) if is_decoded else None
+
+    while capture.grab():
+        yield SourceFrame(decode, float(capture.get(cv2.CAP_PROP_POS_MSEC)))
 
 
-def rate_ahead(capture: Capture) -> tuple[float | None, tuple[str, ...]] | None:
-    """Return the frame rate by the first frames' times, as `rate_by` does; None without a frame.
-
-    Args:
-        capture: Open at its first frame; `RATED_FRAMES` of its frames are passed over.
-    """
-    times_ms = []
-    while len(times_ms) < RATED_FRAMES and capture.grab():
-        times_ms.append(float(capture.get(cv2.CAP_PROP_POS_MSEC)))
-    return rate_by(times_ms, float(capture.get(cv2.CAP_PROP_FPS))) if times_ms else None
+def _as_shown(image: Frames, shape: StatedShape, name: str) -> Frames:
+    return cv2.cvtColor(shape.squared(image, name), cv2.COLOR_BGR2RGB)
 
 
-def _decode(capture: Capture, name: str) -> tuple[list[np.ndarray], int, list[float], bool]:
-    """Return RGB frames, their stride, the times of all frames seen, and whether these are all.
+def _is_undecoded_av1(capture: cv2.VideoCapture, path: Path) -> bool:
+    """Tell whether a file is AV1, which OpenCV opens and mostly was built without a decoder of."""
+    code = int(capture.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little", signed=True)
+    if code.lower() != b"av01":
+        return False
+    with quiet_capture(path, cv2.CAP_FFMPEG) as second:
+        return not second.grab()
 
-    The stride doubles whenever the frames kept no longer fit: counts in headers are often wrong.
-    """
-    frames: list[np.ndarray] = []
-    times_ms: list[float] = []
-    stride, seen, until = 1, 0, time.monotonic() + DECODING_S
-    while is_more := capture.grab():
-        if seen >= DECODED_FRAMES or (seen >= FEWEST_KEPT and time.monotonic() > until):
-            break
-        if seen % stride == 0:
-            is_decoded, image = capture.retrieve()
-            if not is_decoded:
-                is_more = False
-                break
-            if frames and image.shape != frames[0].shape:
-                raise UnreadableClip(
-                    f"{name}: frame {seen} is {image.shape[1]} x {image.shape[0]} pixels after "
-                    f"{frames[0].shape[1]} x {frames[0].shape[0]}, expected one size; export the "
-                    f"recording at one size."
-                )
-            if len(frames) >= kept_frames(*image.shape[:2], name):
-                frames = frames[::2]
-                stride *= 2
-            if seen % stride == 0:
-                frames.append(cv2.cvtColor(image, cv2.COLOR_BGR2RGB))
-        times_ms.append(float(capture.get(cv2.CAP_PROP_POS_MSEC)))
-        seen += 1
-    return frames, stride, times_ms, not is_more
+
+def _av_frames(path: Path, source: VideoSource) -> Iterator[SourceFrame]:
+    """Yield the frames of an AV1 video; none of one too damaged to be opened."""
+    if find_spec("av") is None:
+        raise MissingDependency(
+            f"{path}: is AV1 video, which is read with av, which is not installed; run "
+            f"`pip install 'geotlm-lm[lerobot]'`."
+        )
+    import av
+
+    with ExitStack() as opened:
+        plain = opened.enter_context(plain_name(path))
+        try:
+            # Titles and tags need not be UTF-8, and are not asked for.
+            container = opened.enter_context(av.open(plain, metadata_errors="replace"))
+            stream = container.streams.video[0]
+        except (av.FFmpegError, IndexError):  # IndexError: there is no picture in it
+            return
+        pictures = _until_damage(container.decode(stream))
+        first = next(pictures, None)
+        if first is None:
+            return
+        degrees, aspect = -first.rotation % 360, stream.sample_aspect_ratio
+        shape = video_shape(
+            degrees, aspect.numerator if aspect else 0, aspect.denominator if aspect else 1
+        )
+        source.notes += shape.notes
+        source.header_fps = float(stream.average_rate or 0)
+        source.declared_frames = float(stream.frames)
+
+        def decode(picture: VideoFrame) -> Frames:
+            image = picture.to_ndarray(format="bgr24")
+            turn = _ROTATIONS.get(round(degrees))
+            image = image if turn is None else cv2.rotate(image, turn)
+            return _as_shown(image, shape, source.name)
+
+        for picture in chain([first], pictures):
+            is_timed = picture.time is not None
+            time_ms = 1000 * (picture.time - (first.time or 0.0)) if is_timed else 0.0
+            yield SourceFrame(partial(decode, picture), time_ms)
+
+
+def _until_damage(pictures: Iterator[VideoFrame]) -> Iterator[VideoFrame]:
+    from av import FFmpegError
+
+    with suppress(FFmpegError):
+        yield from pictures
+
+
+_ROTATIONS = {
+    90: cv2.ROTATE_90_CLOCKWISE,
+    180: cv2.ROTATE_180,
+    270: cv2.ROTATE_90_COUNTERCLOCKWISE,
+}
+
+
+def _gif_frames(path: Path, source: VideoSource) -> Iterator[SourceFrame]:
+    """Yield the frames of a GIF by Pillow: OpenCV takes durations of 0 and 10 ms for 100."""
+    from PIL.GifImagePlugin import GifImageFile
+    from PIL.Image import DecompressionBombError
+
+    with path.open("rb") as file:
+        source.notes += _gif_notes(file)
+        number, time_ms = 0, 0.0
+        with suppress(*DAMAGED, DecompressionBombError):
+            image = GifImageFile(file)
+            while True:
+                image.seek(number)  # EOFError behind the last one
+                kept_frames(*image.size[::-1], source.name)  # before room is made for it
+                image.load()
+                yield SourceFrame(lambda: np.asarray(image.convert("RGB")), time_ms)
+                time_ms += float(image.info.get("duration", 0))
+                number += 1
+
+
+def _gif_notes(file: IO[bytes]) -> tuple[str, ...]:
+    """Return a note where a GIF lacks the semicolon that ends it."""
+    file.seek(max(file.seek(0, SEEK_END) - _GIF_END, 0))
+    is_ended = file.read().rstrip(b"\0\r\n").endswith(b";")
+    file.seek(0)
+    return () if is_ended else (_CUT_OFF,)
+
+
+_GIF_END = 64
+"""Bytes at the end of a GIF in which its last one is looked for; some programs fill up with 0."""
+
+_CUT_OFF = (
+    "The end of this gif is missing: the file is cut off or damaged; copy or record it again."
+)

@@ -1,7 +1,8 @@
 """A scene's contact on the gel's grid, frame by frame: pressed only, or dragged with history.
 
-A residual that is too large is answered by the next harder preset, and the result says so; what
-even the hardest does not solve is never called converged.
+Five presets from draft to reference say how finely and tightly it is solved. A residual that is too
+large is answered by the next harder preset, and the result says so; what even the hardest does not
+solve is never called converged.
 """
 
 from __future__ import annotations
@@ -9,22 +10,30 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.simulation.elastic import LayerOperator
-from geotlm_lm.simulation.half_space import HalfSpaceOperator
-from geotlm_lm.simulation.march import Increment, Step, cell_centres, march, rigid_travel
-from geotlm_lm.simulation.normal_contact import (
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.simulation.elastic import HalfSpaceOperator, LayerOperator
+from geotlm_lm.simulation.profile import Profile
+from geotlm_lm.simulation.scene import CENTRED, Gel, Mounting, Path, Scene
+from geotlm_lm.simulation.shapes import HeightMap
+from geotlm_lm.simulation.solvers import (
+    PENETRATION_LIMIT_UM,
+    ROUNDS,
+    Effort,
     Response,
     SolverStatus,
+    Step,
+    cell_centres,
+    march,
+    rigid_travel,
     solve_normal_contact,
 )
-from geotlm_lm.simulation.presets import Preset
-from geotlm_lm.simulation.profile import HeightMap, Profile
-from geotlm_lm.simulation.scene import Gel, Mounting, Path, Scene
 
 BOX_MM = 25.6
 """Side of the periodic box; doubling it changes the indentation by at most 2.7 um, measured."""
@@ -49,18 +58,100 @@ Pose = tuple[float, float, float, float]
 """Depth in mm, x and y in mm, rotation in radians."""
 
 
-@dataclass(frozen=True, eq=False)
-class GridContact:
-    """The gel on the contact grid in every frame.
+PresetName = Literal["draft", "fast", "good", "accurate", "reference"]
+
+
+@dataclass(frozen=True)
+class Preset:
+    """One compromise between error and run time.
 
     Args:
-        indentation_mm: (frames, cells, cells).
-        drift_mm: Tangential displacement of the surface from rest, (frames, 2, cells, cells); None
-            where it was not asked for.
-        touches: Whether anything presses in a frame, (frames,).
-        overlap_mm: Approach less the body's profile and the pad's crown, (frames, cells, cells).
-        reach_mm: Height of the body above its lowest point that the gel does not reach.
-        status: The solver's account.
+        name: What it is called.
+        cells: Cells per side of the contact grid, over the pad's 25.6 mm.
+        effort: How hard every increment is solved.
+        dtype: Precision; fields converge to 1e-5 in single precision as in double.
+        is_half_space: Take the pad for infinitely thick, for comparison only.
+        step_share: Length of an increment with friction, relative to the farthest that is small.
+        skips_fine_profile: Whether a body is taken as the contact grid's cells hold it where they
+            hold all there is of it.
+        acceptable_um: Penetration up to which the result counts as converged.
+        acceptable_share: Projected gradient of the frictional problem, likewise.
+    """
+
+    name: PresetName
+    cells: int
+    effort: Effort
+    dtype: torch.dtype = torch.float32
+    is_half_space: bool = False
+    step_share: float = 1.0
+    skips_fine_profile: bool = True
+    acceptable_um: float = PENETRATION_LIMIT_UM
+    acceptable_share: float = 0.1
+
+    def response(self, gel: Gel) -> Response:
+        """Return the surface's response, made once for each kind of gel."""
+        thickness, nu = gel.thickness_mm, gel.poisson_ratio
+        return _response(thickness, nu, self.cells, self.dtype, self.is_half_space)
+
+    @property
+    def harder(self) -> Preset | None:
+        """The next preset up, for the same body and no less precise; None above the reference."""
+        names = list(PRESETS)
+        above = names[names.index(self.name) + 1 :]
+        if not above:
+            return None
+        return replace(
+            PRESETS[above[0]],
+            dtype=torch.promote_types(self.dtype, PRESETS[above[0]].dtype),
+            is_half_space=self.is_half_space,
+            step_share=self.step_share,
+            skips_fine_profile=self.skips_fine_profile,
+        )
+
+
+PRESETS: dict[str, Preset] = {
+    preset.name: preset
+    for preset in (
+        Preset("draft", 32, Effort((6, 12, 40), 15, 1, 8, enough_um=5.0, gradient_share=0.1)),
+        Preset("fast", 48, Effort(ROUNDS, 40, enough_um=5.0, gradient_share=3e-2)),
+        Preset("good", 64, Effort((12, 24, 60, 150), 100, gradient_share=1e-2)),
+        Preset(
+            "accurate",
+            128,
+            Effort((50, 100, 400), 1000, passes=3, penetration_um=0.1, gradient_share=1e-4),
+            torch.float64,
+            acceptable_um=1.0,
+            acceptable_share=1e-3,
+        ),
+        Preset(
+            "reference",
+            256,
+            Effort((100, 200, 400, 1000), 1000, penetration_um=0.01, gradient_share=1e-5),
+            torch.float64,
+            acceptable_um=0.1,
+            acceptable_share=1e-4,
+        ),
+    )
+}
+
+FAST = PRESETS["fast"]
+
+
+def preset_named(name: str) -> Preset:
+    """Return the preset called `name`; an unknown name is a `UsageError`."""
+    if name not in PRESETS:
+        raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(PRESETS)}.")
+    return PRESETS[name]
+
+
+@dataclass(frozen=True, eq=False)
+class GridContact:
+    """The gel on the contact grid, fields (frames, cells, cells), and the solver's account.
+
+    The drift, (frames, 2, cells, cells), is the surface's tangential displacement from rest; None
+    where it was not asked for. `touches` is whether anything presses in a frame; the overlap is the
+    approach less the body's profile and the pad's crown; what of the body is more than `reach_mm`
+    above its lowest point the gel does not reach.
     """
 
     indentation_mm: Tensor
@@ -74,14 +165,10 @@ class GridContact:
 def solve_contact(
     scene: Scene, profile: Profile, preset: Preset, *, with_drift: bool = False
 ) -> GridContact:
-    """Solve every frame of a scene; escalates until the residuals are acceptable.
+    """Solve every frame of a scene; escalates from `preset` until the residuals are acceptable.
 
-    Args:
-        scene: Gel and path.
-        profile: The body.
-        preset: Where to begin.
-        with_drift: Whether the surface's tangential displacement is wanted. Without friction it is
-            what the pressure spreads; with it the object holds the gel, in a press too.
+    The surface's tangential displacement, if wanted, is what the pressure spreads without friction;
+    with it the object holds the gel, in a press too.
     """
     drags = with_drift and scene.gel.friction > 0
     trying: Preset | None = preset
@@ -108,45 +195,37 @@ def _pressed(
 ) -> GridContact:
     """Solve all frames at once, without friction: each depends on its own pose only."""
     overlap = _overlap(scene, profile, preset, list(_poses(scene.path)), reach)
-    response = _layer(scene.gel, preset)
-    contact = solve_normal_contact(
-        overlap,
-        response,
-        rounds=preset.effort.normal_rounds,
-        limit_um=preset.effort.penetration_um,
-        enough_um=preset.effort.enough_um,
-    )
-    status = contact.status()
-    status = replace(status, is_converged=status.penetration_um <= preset.acceptable_um)
+    response = preset.response(scene.gel)
+    contact = solve_normal_contact(overlap, response, preset.effort)
+    worst = float(contact.penetration_um.max())
+    status = SolverStatus(worst, int(contact.iterations.max()), worst <= preset.acceptable_um)
     drift = response.spread(contact.pressure) if with_drift else None
-    touches = contact.touches.flatten(1).any(1)
+    touches = (contact.pressure > 0).flatten(1).any(1)
     return GridContact(contact.indentation_mm, drift, touches, overlap, reach, status)
 
 
 def _dragged(scene: Scene, profile: Profile, preset: Preset, reach: float) -> GridContact:
     """March through the frames with friction and history."""
-    response = _layer(scene.gel, preset)
-    poses = list(_poses(scene.path))
-    substeps = list(_substeps(poses, preset.step_share, _before(scene.path)))
+    response = preset.response(scene.gel)
+    substeps = list(_substeps(scene.path, preset.step_share))
     starts = [substeps[0][0], *(pose for pose, _ in substeps[:-1])]
     increments = [
         _increment(scene, profile, preset, before, after, reach)
         for before, (after, _) in zip(starts, substeps, strict=True)
     ]
-    steps = march(
-        increments, response, friction_coefficient=scene.gel.friction, effort=preset.effort
-    )
+    friction = scene.gel.friction
+    steps = march(increments, response, preset.effort, friction_coefficient=friction)
     kept: list[Step] = []
     overlaps: list[Tensor] = []
     worst = SolverStatus(0.0, 0, True)
     spent = rubbed = energy = 0.0
-    for step, increment, (_, ends_frame) in zip(steps, increments, substeps, strict=True):
+    for step, (overlap, _), (_, ends_frame) in zip(steps, increments, substeps, strict=True):
         rubbed += float(step.work) - (float(step.energy) - energy)
         spent, energy = spent + max(float(step.work), 0.0), float(step.energy)
-        worst = _worse(worst, step, scene.gel.friction, preset)
+        worst = _worse(worst, step, friction, preset)
         if ends_frame:
             kept.append(step)
-            overlaps.append(increment.overlap_mm)
+            overlaps.append(overlap)
     worst = replace(worst, increments=len(increments))
     return GridContact(
         torch.cat([step.indentation_mm for step in kept]),
@@ -177,29 +256,27 @@ def _worse(status: SolverStatus, step: Step, friction: float, preset: Preset) ->
 
 def _increment(
     scene: Scene, profile: Profile, preset: Preset, before: Pose, after: Pose, reach: float
-) -> Increment:
+) -> tuple[Tensor, Tensor]:
+    """Return overlap and travel, as `march` takes them."""
     centres = cell_centres(preset.cells, BOX_MM / preset.cells, preset.dtype)
     old, new = (torch.tensor([pose[1:3]], dtype=preset.dtype) for pose in (before, after))
     turn = torch.tensor([after[3] - before[3]], dtype=preset.dtype)
     travel = rigid_travel(centres, old, turn, new - old)
-    return Increment(_overlap(scene, profile, preset, [after], reach), travel)
+    return _overlap(scene, profile, preset, [after], reach), travel
 
 
 def _overlap(
     scene: Scene, profile: Profile, preset: Preset, poses: list[Pose], reach: float
 ) -> Tensor:
-    """Return the approach less the profile and the pad's crown, (poses, cells, cells).
-
-    It is negative all over where a pose is out of touch.
-    """
+    """Return the overlap (poses, cells, cells), negative all over where a pose is out of touch."""
     cells, size = preset.cells, (BOX_MM / preset.cells,) * 2
     dome = dome_mm(scene.gel, size, cells, scene.optics.mounting)
     is_smooth = holds_detail(scene, profile, preset, cells)
     overlap = np.full((len(poses), cells, cells), -1.0, np.float32)
-    for one, (depth, *place) in zip(overlap, poses, strict=True):
+    for frame, (depth, *place) in zip(overlap, poses, strict=True):
         if depth > 0:
             height = profile.on_cells(tuple(place), BOX_MM, cells, reach, is_smooth=is_smooth)
-            np.subtract(np.float32(depth) - dome, height, out=one)
+            np.subtract(np.float32(depth) - dome, height, out=frame)
     return torch.from_numpy(overlap).to(preset.dtype)
 
 
@@ -212,22 +289,16 @@ def _poses(path: Path) -> Iterator[Pose]:
     return zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
 
 
-def _before(path: Path) -> Pose | None:
-    """Return the pose from which the object was dragged to the first frame's, if it was."""
-    (slide_x, slide_y), turn = path.pre_slide_mm, path.pre_turn_rad
-    if not (slide_x or slide_y or turn):
-        return None
-    depth, x, y, angle = next(_poses(path))
-    return depth, x - slide_x, y - slide_y, angle - turn
-
-
-def _substeps(
-    poses: list[Pose], share: float, start: Pose | None = None
-) -> Iterator[tuple[Pose, bool]]:
+def _substeps(path: Path, share: float) -> Iterator[tuple[Pose, bool]]:
     """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
-    stops = [start, *poses] if start is not None else poses
-    yield stops[0], start is None
-    for before, after in zip(stops[:-1], stops[1:], strict=True):
+    poses = list(_poses(path))
+    (slide_x, slide_y), pre_turn = path.pre_slide_mm, path.pre_turn_rad
+    is_handled = bool(slide_x or slide_y or pre_turn)
+    if is_handled:  # the object was dragged to the first frame's pose from another
+        depth, x, y, angle = poses[0]
+        poses.insert(0, (depth, x - slide_x, y - slide_y, angle - pre_turn))
+    yield poses[0], not is_handled
+    for before, after in pairwise(poses):
         travel = max(
             np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
         )
@@ -241,39 +312,32 @@ def _substeps(
             yield (after if part == count else pose), part == count
 
 
-def _layer(gel: Gel, preset: Preset) -> Response:
-    if preset.is_half_space:
-        return HalfSpaceOperator(
-            preset.cells, BOX_MM, poisson_ratio=gel.poisson_ratio, dtype=preset.dtype
-        )
-    return _cached_layer(gel.thickness_mm, gel.poisson_ratio, preset.cells, preset.dtype)
-
-
 @lru_cache(maxsize=16)
-def _cached_layer(
-    thickness_mm: float, poisson_ratio: float, cells: int, dtype: torch.dtype
-) -> LayerOperator:
+def _response(
+    thickness_mm: float, poisson_ratio: float, cells: int, dtype: torch.dtype, is_half_space: bool
+) -> Response:
+    if is_half_space:
+        return HalfSpaceOperator(cells, BOX_MM, poisson_ratio=poisson_ratio, dtype=dtype)
     return LayerOperator(
         cells, BOX_MM, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio, dtype=dtype
     )
 
 
-def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float, mounting: Mounting | None = None) -> float:
+def dome_drop_mm(gel: Gel, x_mm: float, y_mm: float, mounting: Mounting = CENTRED) -> float:
     """Return how far the crowned pad lies below its top at one point of the view."""
-    xx, xy, yy = _crown(gel, mounting)
-    x, y = (x_mm - mounting.x_mm, y_mm - mounting.y_mm) if mounting else (x_mm, y_mm)
+    xx, xy, yy = _crown(gel, mounting.turn_rad)
+    x, y = x_mm - mounting.x_mm, y_mm - mounting.y_mm
     return float(xx * x * x + xy * x * y + yy * y * y)
 
 
 @lru_cache(maxsize=4)
 def dome_mm(
-    gel: Gel, mm_per_px: tuple[float, float], side: int, mounting: Mounting | None = None
+    gel: Gel, mm_per_px: tuple[float, float], side: int, mounting: Mounting = CENTRED
 ) -> HeightMap:
     """Return how far the crowned pad lies below its top, (side, side) in mm, read-only."""
-    mounting = mounting or Mounting()
     axis = np.arange(side) - (side - 1) / 2
     x, y = axis * mm_per_px[0] - mounting.x_mm, axis * mm_per_px[1] - mounting.y_mm
-    xx, xy, yy = _crown(gel, mounting)
+    xx, xy, yy = _crown(gel, mounting.turn_rad)
     along, across = (values.astype(np.float32) for values in (xx * x * x, yy * y * y))
     drop = np.add.outer(across, along)
     if xy:
@@ -282,11 +346,10 @@ def dome_mm(
     return drop
 
 
-def _crown(gel: Gel, mounting: Mounting | None) -> tuple[float, float, float]:
+def _crown(gel: Gel, turn_rad: float) -> tuple[float, float, float]:
     """Return the curvatures of the crown in the view: of x^2, x y and y^2, per mm."""
     along, across = (gel.dome / (2 * radius) for radius in DOME_RADII_MM)
-    turn = mounting.turn_rad if mounting else 0.0
-    cos, sin = np.cos(turn), np.sin(turn)
+    cos, sin = np.cos(turn_rad), np.sin(turn_rad)
     return (
         along * cos**2 + across * sin**2,
         2 * (along - across) * cos * sin,

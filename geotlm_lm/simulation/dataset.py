@@ -1,35 +1,35 @@
 """Simulated clips on disk: shards with truth that survive a kill; same seed, same bytes.
 
-A folder holds `shard-00000.npz` and so on, or files of another form (`shard_forms`), each written
-whole and then renamed, `dataset.json` with what was asked for, and a card. Shard k holds clips
-[k * SHARD_CLIPS, (k + 1) * SHARD_CLIPS) of the seed's series, whoever wrote it and whenever; a
-resumed run only writes the missing ones.
+A folder holds `shard-00000.npz` and so on (numpy's archives), or `.parquet` tables that Hugging
+Face's `datasets` reads, pictures included; each is written whole and then renamed. Beside them are
+`dataset.json` with what was asked for, and a card. Shard k holds clips [k * SHARD_CLIPS,
+(k + 1) * SHARD_CLIPS) of the seed's series, whoever wrote it and whenever; a resumed run only
+writes the missing ones.
 """
 
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import IO, Any, Literal, NamedTuple
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.atomic import replacing, write_text_atomically
-from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.errors import MissingDependency, UsageError
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.simulation.card import card_of
-from geotlm_lm.simulation.presets import PresetName, preset_named
-from geotlm_lm.simulation.randomise import MARKER_SHARE, MIXED_SHARE
-from geotlm_lm.simulation.series import SERIES_VERSION, simulate_series
-from geotlm_lm.simulation.shard_forms import FORMS, FormName, require_packages, told_by
-from geotlm_lm.simulation.simulate import SimulatedClip
-from geotlm_lm.workers import ALONE, Workers
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.core.twist import COMPONENTS
+from geotlm_lm.runs.run import ALONE, Workers, do_parts
+from geotlm_lm.simulation.contact import PresetName, preset_named
+from geotlm_lm.simulation.simulate import SERIES_VERSION, SimulatedClip, simulate_series
+from geotlm_lm.simulation.truth import READABLE_GREY, components_of
 
 SHARD_CLIPS = 64
 """Clips per shard: about 50 MB of frames, a few seconds of work to lose in a kill."""
@@ -38,13 +38,17 @@ CARD_FILE, ASKED_FILE = "README.md", "dataset.json"
 
 DATASET_FORMAT = 2
 
+FormName = Literal["npz", "huggingface"]
 
-@dataclass(frozen=True)
-class _Shard:
-    path: str
+SUFFIXES: dict[FormName, str] = {"npz": ".npz", "huggingface": ".parquet"}
+
+Arrays = dict[str, NDArray[Any]]
+"""By name, each with a row for every clip; `labels` is one JSON text of all."""
+
+
+class _Shard(NamedTuple):
     first_index: int
     count: int
-    form: FormName
 
 
 def write_dataset(
@@ -56,38 +60,27 @@ def write_dataset(
     workers: Workers = ALONE,
     preset: PresetName = "fast",
     with_drift: bool = False,
-    marker_share: float = MARKER_SHARE,
-    mixed_share: float = MIXED_SHARE,
+    marker_share: float = 0.0,
+    mixed_share: float = 0.0,
     with_frames: bool = True,
     form: FormName = "npz",
     progress: Progress = silent,
 ) -> Path:
-    """Write `count` clips of `objects` into the folder `out`, or finish writing them.
+    """Write `count` clips of `objects` into the folder `out`, or finish writing them; return it.
 
-    Args:
-        out: Folder; created when absent, resumed when it holds part of the same data set.
-        count: Number of clips.
-        seed: Root seed; clip i is the same in every data set of this seed, these objects
-            and these settings.
-        objects: Names from `indenters.INDENTERS`.
-        workers: Who simulates; the result does not depend on it.
-        preset: How finely and tightly the contact is solved.
-        with_drift: Whether the gel's tangential displacement is part of the truth.
-        marker_share: Share of clips on a gel with markers.
-        mixed_share: Share of clips that turn, slide and press at once, as they may.
-        with_frames: Whether pictures are written beside labels and true fields.
-        form: Of the shards' files, a key of `shard_forms.FORMS`.
-        progress: Told after every shard how many clips are done.
-
-    Returns:
-        `out`.
+    Clip i is the same in every data set of this seed, these objects and these settings, which are
+    those of `simulate_series`; who simulates does not matter. Progress is reported after a shard.
 
     Raises:
         UsageError: If the folder holds another or a larger data set, or the request is empty.
         GeoTLMError: If a worker was killed.
         MissingDependency: If the package that writes the form is not installed.
     """
-    require_packages(form)
+    if form == "huggingface" and find_spec("pyarrow") is None:
+        raise MissingDependency(
+            "A data set for Hugging Face's datasets is written with pyarrow, which is not "
+            "installed; run `pip install 'geotlm-lm[track]'`."
+        )
     out = Path(out)
     options = {
         "seed": seed,
@@ -103,22 +96,26 @@ def write_dataset(
     out.mkdir(parents=True, exist_ok=True)
     asked = out / ASKED_FILE
     write_text_atomically(asked, json.dumps(wanted | {"count": count}) + "\n")
-    shards = _shards(out, count, form)
-    missing = [shard for shard in shards if not _is_whole(shard)]
-    done = count - sum(shard.count for shard in missing)
-    for written in workers.each_done(partial(_write_shard, options), missing, seen=[asked]):
-        done += written
-        progress("simulated", done, count)
-    write_text_atomically(out / CARD_FILE, card_of(out, count, wanted))
+    jobs = [
+        (
+            _Shard(start, min(SHARD_CLIPS, count - start)),
+            out / f"shard-{number:05d}{SUFFIXES[form]}",
+        )
+        for number, start in enumerate(range(0, count, SHARD_CLIPS))
+    ]
+    do_parts(
+        "simulated",
+        partial(_shard_arrays, options),
+        jobs,
+        _write_npz if form == "npz" else _write_parquet,
+        is_kept=_is_whole,
+        size=lambda shard: shard.count,
+        workers=workers,
+        seen=[asked],
+        progress=progress,
+    )
+    write_text_atomically(out / CARD_FILE, _card(out, count, wanted))
     return out
-
-
-def read_shard(path: Path) -> tuple[dict[str, NDArray[Any]], list[MotionLabel]]:
-    """Return the arrays of one shard by name, and the label of each of its clips."""
-    with np.load(path, allow_pickle=False) as stored:
-        arrays = {name: stored[name] for name in stored.files if name != "labels"}
-        labels = json.loads(str(stored["labels"]))
-    return arrays, [MotionLabel.from_dict(values) for values in labels]
 
 
 def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
@@ -132,78 +129,59 @@ def _check(out: Path, count: int, wanted: dict[str, Any]) -> None:
             )
         return
     try:
-        found = json.loads((out / ASKED_FILE).read_text())
-        found_count = int(found["count"])
+        there = json.loads((out / ASKED_FILE).read_text())
+        count_there = int(there["count"])
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(
             f"{out / ASKED_FILE} does not say what the folder holds; choose an empty folder."
         ) from error
     # A folder that does not say has no mixed clips, in archives.
-    found = {"mixed_share": 0.0, "form": "npz"} | found
-    if {name: found.get(name) for name in wanted} != wanted:
+    there = {"mixed_share": 0.0, "form": "npz"} | there
+    if {name: there.get(name) for name in wanted} != wanted:
         raise UsageError(
-            f"{out} holds another data set (seed {found.get('seed')}, expected "
+            f"{out} holds another data set (seed {there.get('seed')}, expected "
             f"{wanted['seed']}, or other objects or settings); choose an empty folder."
         )
-    if found_count > count:
+    if count_there > count:
         raise UsageError(
-            f"{out} was made for {found_count} clips, {count} were asked for; ask for at least as "
+            f"{out} was made for {count_there} clips, {count} were asked for; ask for at least as "
             f"many, or choose an empty folder."
         )
 
 
-def _shards(out: Path, count: int, form: FormName) -> list[_Shard]:
-    suffix = FORMS[form].suffix
-    return [
-        _Shard(
-            path=str(out / f"shard-{number:05d}{suffix}"),
-            first_index=start,
-            count=min(SHARD_CLIPS, count - start),
-            form=form,
-        )
-        for number, start in enumerate(range(0, count, SHARD_CLIPS))
-    ]
+def _is_whole(shard: _Shard, path: Path) -> bool:
+    """Tell whether the file is there, undamaged, with all its clips."""
+    try:
+        return len(_labels_of(path)[0]) == shard.count
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        return False
 
 
-def _is_whole(shard: _Shard) -> bool:
-    told = told_by(Path(shard.path), shard.form)
-    return told is not None and len(told.labels) == shard.count
-
-
-def _write_shard(options: dict[str, Any], shard: _Shard) -> int:
-    """Write a shard, if it is not there; `options` are those of `simulate_series`."""
-    if _is_whole(shard):
-        return shard.count
-    made: dict[str, NDArray[Any]] = {}
+def _shard_arrays(options: dict[str, Any], shard: _Shard) -> Arrays:
+    """Return the arrays of a shard; `options` are those of `simulate_series`."""
+    arrays: Arrays = {}
     labels, names = [], []
     series = simulate_series(count=shard.count, first_index=shard.first_index, **options)
     for number, clip in enumerate(series):
         # Copied to where the shard is kept: the next clip takes the memory of this one.
-        for name, value in _stored(clip).items():
+        for name, value in _fields_of(clip).items():
             if number == 0:
-                made[name] = np.empty((shard.count, *value.shape), value.dtype)
-            made[name][number] = value
+                arrays[name] = np.empty((shard.count, *value.shape), value.dtype)
+            arrays[name][number] = value
         labels.append(clip.label.to_dict())
         names.append(clip.object_name)
-    made["object_names"] = np.array(names)
-    made["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
-    made["labels"] = np.array(json.dumps(labels))
-    with uninterrupted_step():  # a worker that is ended here leaves its shard, not a part of it
-        _save(shard, made)
-    return shard.count
+    arrays["object_names"] = np.array(names)
+    arrays["index"] = np.arange(shard.first_index, shard.first_index + shard.count)
+    arrays["labels"] = np.array(json.dumps(labels))
+    return arrays
 
 
-def _save(shard: _Shard, arrays: dict[str, NDArray[Any]]) -> None:
-    with replacing(Path(shard.path)) as stream:
-        FORMS[shard.form].write(stream, arrays)
-
-
-def _stored(clip: SimulatedClip) -> dict[str, NDArray[Any]]:
+def _fields_of(clip: SimulatedClip) -> Arrays:
     """Return what a data set keeps of one clip beside its label and its object's name."""
-    seen = {}
+    pictures = {}
     if clip.clip is not None:
-        seen = {"frames": clip.clip.frames, "backgrounds": clip.clip.background}
-    kept = {
+        pictures = {"frames": clip.clip.frames, "backgrounds": clip.clip.background}
+    fields = {
         "displacement_px": clip.displacement_px,
         "contact": clip.contact,
         "depth_mm": clip.depth_mm,
@@ -211,4 +189,166 @@ def _stored(clip: SimulatedClip) -> dict[str, NDArray[Any]]:
         "penetration_um": np.array(clip.status.penetration_um, np.float32),
     }
     drift = {} if clip.drift_px is None else {"drift_px": clip.drift_px}
-    return seen | kept | drift
+    return pictures | fields | drift
+
+
+def _write_npz(stream: IO[bytes], arrays: Arrays) -> None:
+    """Write an uncompressed archive with a fixed date inside."""
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, array in arrays.items():
+            entry = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
+            with archive.open(entry, "w", force_zip64=True) as member:
+                array = np.asarray(array, order="C")
+                header = np.lib.format.header_data_from_array_1_0(array)
+                np.lib.format.write_array_header_1_0(member, header)
+                # Not numpy's own writer: to anything but a plain file it writes copies.
+                member.write(array.reshape(-1).view(np.uint8))
+
+
+def _write_parquet(stream: IO[bytes], arrays: Arrays) -> None:
+    """Write a table with a row for each clip, pictures as `datasets` keeps them."""
+    import pyarrow
+    from pyarrow import parquet
+
+    def nested(values: NDArray[Any]) -> pyarrow.Array:
+        lists = pyarrow.array(np.ascontiguousarray(values).reshape(-1))
+        for length in reversed(values.shape[1:]):
+            lists = pyarrow.FixedSizeListArray.from_arrays(lists, length)
+        return lists
+
+    picture = pyarrow.struct({"bytes": pyarrow.binary(), "path": pyarrow.string()})
+    pictures: dict[str, NDArray[np.uint8]] = {}
+    if "frames" in arrays:
+        frames = np.moveaxis(arrays["frames"], 1, 0)
+        pictures = {f"frame_{number}": rows for number, rows in enumerate(frames)}
+        pictures["background"] = arrays["backgrounds"]
+    labels = json.loads(str(arrays["labels"]))
+    columns = {"index": pyarrow.array(arrays["index"].tolist(), pyarrow.int64())}
+    for name, rows in pictures.items():
+        pngs = [{"bytes": _png(row), "path": None} for row in rows]
+        columns[name] = pyarrow.array(pngs, picture)
+    columns["object_name"] = pyarrow.array(arrays["object_names"].tolist())
+    for name in ("motion", "rotation_deg", "slide_x_mm", "slide_y_mm", "depth_change_mm"):
+        columns[name] = pyarrow.array([label[name] for label in labels])
+    columns["label"] = pyarrow.array([json.dumps(label) for label in labels])
+    columns |= {name: nested(arrays[name]) for name in ("mm_per_px", "penetration_um")}
+    columns |= {
+        name: nested(arrays[name])
+        for name in ("displacement_px", "contact", "depth_mm", "drift_px")
+        if name in arrays
+    }
+    about = {"info": {"features": {name: {"_type": "Image"} for name in pictures}}}
+    table = pyarrow.table(columns).replace_schema_metadata({"huggingface": json.dumps(about)})
+    parquet.write_table(table, stream)
+
+
+def _png(picture: NDArray[np.uint8]) -> bytes:
+    return cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))[1].tobytes()
+
+
+def _labels_of(path: Path) -> tuple[list[dict[str, Any]], list[float]]:
+    """Return the labels of a shard's clips, and what the contact solver left of each in um."""
+    if path.suffix == ".npz":
+        with np.load(path, allow_pickle=False) as stored:
+            return json.loads(str(stored["labels"])), stored["penetration_um"].tolist()
+    from pyarrow import parquet
+
+    with parquet.ParquetFile(path) as file:
+        table = file.read(columns=["label", "penetration_um"])
+    labels = [json.loads(text) for text in table["label"].to_pylist()]
+    return labels, table["penetration_um"].to_pylist()
+
+
+def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
+    """Return the data set's card in Markdown, counted from what was written."""
+    labels: list[MotionLabel] = []
+    worst_um, suffix = 0.0, SUFFIXES[wanted["form"]]
+    for path in sorted(out.glob(f"shard-*{suffix}")):
+        values, penetration_um = _labels_of(path)
+        worst_um = max(worst_um, *penetration_um)
+        labels += map(MotionLabel.from_dict, values)
+    motions: dict[str, list[bool]] = {}
+    for label in labels:
+        motions.setdefault(label.motion.value, []).append(label.is_readable)
+    is_table = wanted["form"] == "huggingface"
+    lines = [
+        "---",
+        "license: apache-2.0",
+        "tags: [tactile, gelsight, simulated]",
+        *_when(is_table, f'configs:\n- config_name: default\n  data_files: "shard-*{suffix}"'),
+        "---",
+        "# Simulated touch clips",
+        "",
+        f"{count} clips of {len(wanted['objects'])} bodies, seed {wanted['seed']}, preset",
+        f"{wanted['preset']}, series {wanted['series']}, markers on the gel in a share of",
+        f"{wanted['marker_share']:g}, turn, slide and press mixed freely in a share of",
+        f"{wanted['mixed_share']:g}, made by",
+        "`geotlm_lm.simulation`: a rigid body on a bonded elastic layer, seen by a camera",
+        "under three coloured lights. Everything is simulated; nothing was recorded.",
+        "",
+        "| motion | clips | unreadable share |",
+        "|---|---|---|",
+        *(
+            f"| {name} | {len(readable)} | {1 - sum(readable) / len(readable):.3f} |"
+            for name, readable in sorted(motions.items())
+        ),
+        "",
+        *_component_lines(labels),
+        "",
+        f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
+        "",
+        *_when(
+            is_table,
+            "Each row: images `frame_0` to `frame_3` and `background`, the label's numbers and all "
+            "of it as JSON\n(`label`), and the fields as nested lists.\n",
+        ),
+        *_when(
+            not wanted["with_frames"],
+            "No picture was made: whether a motion is readable is estimated from the surface. Per "
+            "shard:",
+        ),
+        *_when(
+            wanted["with_frames"],
+            "Per shard:\n`frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
+        ),
+        "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
+        "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
+        *_when(
+            wanted["with_drift"],
+            "`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,",
+        ),
+        "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
+        "clockwise in the image. Directions are the object's relative to the sensor.",
+        "",
+        "Bodies: " + ", ".join(wanted["objects"]) + ".",
+        "",
+    ]
+    return "\n".join(lines)
+
+
+def _when(is_so: bool, text: str) -> list[str]:
+    return [text] if is_so else []
+
+
+def _component_lines(labels: list[MotionLabel]) -> list[str]:
+    truths = [components_of(label) for label in labels]
+    rows = []
+    for component in COMPONENTS:
+        of_clips = [truth[component] for truth in truths]
+        visible = [of_clip.is_visible for of_clip in of_clips if of_clip.counts]
+        share = f"{np.mean(visible):.3f}" if visible else "-"
+        counts = [of_clip.counts for of_clip in of_clips]
+        numbers = [sum(value is kind for value in counts) for kind in (True, None, False)]
+        rows.append(f"| {component} | {' | '.join(map(str, numbers))} | {share} |")
+    held = [sum(part.counts is True for part in truth.values()) for truth in truths]
+    together = ", ".join(f"{held.count(n)} of {n}" for n in range(len(COMPONENTS) + 1))
+    return [
+        "Whatever its name, a clip may turn, slide and press at once. A component that counts",
+        f"is readable where it alone can have changed the picture by {READABLE_GREY:g} greys.",
+        "",
+        "| component | counts | ambiguous | does not | readable share of those that count |",
+        "|---|---|---|---|---|",
+        *rows,
+        "",
+        f"Clips by the number of components that count: {together}.",
+    ]

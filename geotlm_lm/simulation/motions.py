@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, signed_amount
-from geotlm_lm.core.seeding import log_uniform
+from geotlm_lm.core.numbers import log_uniform
 from geotlm_lm.simulation.scene import Path
 
 DEPTH_CHANGE_MM = (0.15, 0.9)
@@ -69,20 +69,14 @@ of such a hand."""
 
 def random_path(
     rng: np.random.Generator,
-    motion: Motion,
-    *,
     depth_range_mm: tuple[float, float],
     centre_mm: tuple[float, float],
+    motion: Motion,
     hand: Hand = STEADY,
 ) -> Path:
-    """Return a path that shows `motion`.
+    """Return a path that shows `motion`, its middle at `centre_mm` in the gel frame.
 
-    Args:
-        rng: Source of everything random.
-        motion: One of the ten.
-        depth_range_mm: Approach that gives enough contact, least and most.
-        centre_mm: Where the middle of the path lies in the gel frame.
-        hand: How far and how evenly it moves.
+    The depth range is the least and the most approach that gives enough contact.
     """
     time = _times(rng)
     depth = np.full(FRAME_COUNT, rng.uniform(*depth_range_mm))
@@ -105,10 +99,7 @@ def random_path(
         depth = np.full(FRAME_COUNT, -1.0)
     if motion not in (Motion.PRESS, Motion.RELEASE, Motion.NONE):
         depth = np.clip(depth, *depth_range_mm)
-    x = x - (x[0] + x[-1]) / 2 + centre_mm[0]
-    y = y - (y[0] + y[-1]) / 2 + centre_mm[1]
-    turn = turn + rng.uniform(-np.pi, np.pi)
-    return Path(*(tuple(float(value) for value in row) for row in (depth, x, y, turn)))
+    return _placed(rng, depth, x, y, turn, centre_mm)
 
 
 MIXED_SHARES = {"turn": 0.7, "slide": 0.65, "press": 0.4}
@@ -126,18 +117,9 @@ ONE_HAND_SHARE = 0.6
 
 
 def mixed_path(
-    rng: np.random.Generator,
-    *,
-    depth_range_mm: tuple[float, float],
-    centre_mm: tuple[float, float],
+    rng: np.random.Generator, depth_range_mm: tuple[float, float], centre_mm: tuple[float, float]
 ) -> Path:
-    """Return a path that turns, slides and presses as it may, with any ratio of the three.
-
-    Args:
-        rng: Source of everything random.
-        depth_range_mm: Approach that gives enough contact, least and most.
-        centre_mm: Where the middle of the path lies in the gel frame.
-    """
+    """Return a path as of `random_path` that turns, slides and presses with any ratio of these."""
     own = [_times(rng) for _ in range(3)]
     turning, sliding, pressing = [own[0]] * 3 if rng.random() < ONE_HAND_SHARE else own
     turns, slides, presses = rng.random(3) < tuple(MIXED_SHARES.values())
@@ -161,10 +143,7 @@ def mixed_path(
         depth = np.clip(depth, min(depth_range_mm[0], 0.05), depth_range_mm[1] + 0.3)
     else:
         depth = np.clip(depth, *depth_range_mm)
-    x = x - (x[0] + x[-1]) / 2 + centre_mm[0]
-    y = y - (y[0] + y[-1]) / 2 + centre_mm[1]
-    turn = turn + rng.uniform(-np.pi, np.pi)
-    return Path(*(tuple(float(value) for value in row) for row in (depth, x, y, turn)))
+    return _placed(rng, depth, x, y, turn, centre_mm)
 
 
 def path_of(
@@ -183,18 +162,10 @@ def path_of(
     view, provided it is where the object's centre is; the pose of the last frame does not depend
     on `contact_mm`, so that it can be looked up there.
 
-    Args:
-        turn_deg: Total turn, clockwise positive.
-        right_mm: Slide to the right.
-        down_mm: Slide down the image.
-        inward_mm: Approach into the gel.
-        depth_mm: Approach beyond first touch half-way.
-        pivot_mm: Where the axis of the turn lies from the middle of the contact in the last frame,
-            (right, down). Beside the contact it carries that middle along, as well as the slide.
-        contact_mm: Where that middle lies from the object's centre in the last frame.
-
-    Raises:
-        ValueError: If a number is not finite or beyond what a path holds.
+    Turn (clockwise positive), slide and approach are totals, the depth is half-way. `pivot_mm` is
+    where the axis of the turn lies from the middle of the contact in the last frame, (right, down):
+    beside the contact it carries that middle along, as well as the slide. `contact_mm` is where
+    that middle lies from the object's centre in the last frame.
     """
     time = np.linspace(-1.0, 0.0, FRAME_COUNT)
     turn, slide, arm = np.radians(turn_deg), complex(right_mm, down_mm), complex(*pivot_mm)
@@ -208,12 +179,9 @@ def path_of(
 
 
 def dominant_motion(path: Path, radius_mm: float = CONTACT_RADIUS_MM) -> Motion:
-    """Return which of the ten names fits a path best, for what asks for one name.
+    """Return which of the ten names fits a path best.
 
-    Args:
-        path: Poses of the object; the travel is its centre's.
-        radius_mm: Of the contact, where turn and travel are compared; the label tells whether the
-            greater one dominates at the contact that was found.
+    Turn and travel, the object's centre's, are compared at the contact's radius.
     """
     x, y = path.x_mm[-1] - path.x_mm[0], path.y_mm[-1] - path.y_mm[0]
     turn = path.rotation_rad[-1] - path.rotation_rad[0]
@@ -232,6 +200,14 @@ LEAST_PATH_MM, LEAST_PRESS_MM = 0.06, 0.1
 """Path of a turn or slide, and change of depth, below which a path shows none."""
 
 
+def _placed(rng: np.random.Generator, depth, x, y, turn, centre_mm: tuple[float, float]) -> Path:
+    """Return the path about its centre, begun at any angle."""
+    x = x - (x[0] + x[-1]) / 2 + centre_mm[0]
+    y = y - (y[0] + y[-1]) / 2 + centre_mm[1]
+    turn = turn + rng.uniform(-np.pi, np.pi)
+    return Path(*(tuple(float(value) for value in row) for row in (depth, x, y, turn)))
+
+
 def _times(rng: np.random.Generator) -> PathArray:
     """Return 0 .. 1 in unequal steps: recordings are not sampled evenly along a motion."""
     steps = rng.uniform(0.6, 1.4, FRAME_COUNT - 1)
@@ -240,12 +216,10 @@ def _times(rng: np.random.Generator) -> PathArray:
 
 def _rotate(
     rng: np.random.Generator, time: PathArray, motion: Motion, hand: Hand
-) -> tuple[PathArray, PathArray, PathArray]:
+) -> tuple[PathArray, ...]:
     total = np.radians(log_uniform(rng, hand.rotation_deg))
     turn = total * time * (1 if motion == Motion.CLOCKWISE else -1)
-    arm = rng.uniform(0, PIVOT_MM)
-    if rng.random() < 0.5:
-        arm *= 0.3
+    arm = rng.uniform(0, PIVOT_MM) * (0.3 if rng.random() < 0.5 else 1.0)
     start = rng.uniform(-np.pi, np.pi)
     drift = rng.uniform(0, IMPURITY) * total * CONTACT_RADIUS_MM
     angle = rng.uniform(-np.pi, np.pi)
@@ -256,7 +230,7 @@ def _rotate(
 
 def _slide(
     rng: np.random.Generator, time: PathArray, motion: Motion, hand: Hand
-) -> tuple[PathArray, PathArray, PathArray]:
+) -> tuple[PathArray, ...]:
     total = log_uniform(rng, hand.slide_mm)
     fan = rng.uniform(-SLIDE_FAN_DEG, SLIDE_FAN_DEG)
     angle = np.radians(_SLIDE_ANGLE_DEG[motion] + fan)
@@ -276,7 +250,7 @@ def _press(
 
 def _tremble(
     rng: np.random.Generator, *, turn_deg: float, travel_mm: float
-) -> tuple[PathArray, PathArray, PathArray]:
+) -> tuple[PathArray, ...]:
     turn = np.radians(rng.uniform(-turn_deg, turn_deg, FRAME_COUNT))
     x, y = rng.uniform(-travel_mm, travel_mm, (2, FRAME_COUNT))
     return turn, x, y

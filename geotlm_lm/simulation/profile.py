@@ -9,18 +9,24 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from geotlm_lm.simulation.indenters import INDENTERS
-from geotlm_lm.simulation.raster import OUTSIDE_MM, RASTER_MM, RASTER_SIDE, object_grid
 from geotlm_lm.simulation.scene import Body
-from geotlm_lm.simulation.smooth_field import smooth_field
+from geotlm_lm.simulation.shapes import (
+    OUTSIDE_MM,
+    RASTER_MM,
+    RASTER_SIDE,
+    HeightMap,
+    object_grid,
+    smooth_field,
+)
 
-HeightMap = NDArray[np.float32]
+Pose = tuple[float, float, float]
+"""x and y of the object in mm, its turn in radians."""
 
 REACH_MM = 0.4
 """Height band whose centroid counts as the middle of the contact; a typical pressing depth."""
@@ -63,19 +69,12 @@ class Profile:
 
     def sample(
         self,
-        pose: tuple[float, float, float],
+        pose: Pose,
         mm_per_px: tuple[float, float],
         side: int,
         window: Window | None = None,
     ) -> HeightMap:
-        """Return f on a square image of the gel frame whose middle is the view's middle.
-
-        Args:
-            pose: (x_mm, y_mm, rotation_rad) of the object.
-            mm_per_px: Pixel size (x, y).
-            side: Pixels per side.
-            window: The part of the image that is wanted; all of it by default.
-        """
+        """Return f on a `window`, or all, of a square image about the middle of the view."""
         window = window or Window(0, side, 0, side)
         x_mm, y_mm, angle = pose
         cos, sin = math.cos(angle), math.sin(angle)
@@ -102,19 +101,12 @@ class Profile:
 
     def window(
         self,
-        pose: tuple[float, float, float],
+        pose: Pose,
         mm_per_px: tuple[float, float],
         side: int,
         reach_mm: float,
     ) -> Window:
-        """Return a part of the image `sample` would give outside of which f exceeds `reach_mm`.
-
-        Args:
-            pose: (x_mm, y_mm, rotation_rad) of the object.
-            mm_per_px: Pixel size (x, y).
-            side: Pixels per side.
-            reach_mm: Height of interest; the part may be empty.
-        """
+        """Return a part of the image, perhaps empty, outside of which f exceeds `reach_mm`."""
         # Plain floats: eight calls a clip on arrays of four cost more than the pixels they save.
         low, high = self._bounds_mm(reach_mm)
         x_mm, y_mm, angle = pose
@@ -136,28 +128,25 @@ class Profile:
 
     def _bounds_mm(self, reach_mm: float) -> tuple[tuple[float, float], tuple[float, float]]:
         """Return least and greatest (x, y) of what lies lower than `reach_mm`, object frame."""
-        if reach_mm not in self._bounds:
+        if reach_mm not in self._known:
             low = (self.height_mm < np.float32(reach_mm)).view(np.uint8)
             left, top, width, height = cv2.boundingRect(low)
             raster, half = RASTER_MM / RASTER_SIDE, RASTER_MM / 2
             # One sample more on every side: between samples the body is as low as the lower one.
-            self._bounds[reach_mm] = (
+            self._known[reach_mm] = (
                 ((left - 0.5) * raster - half, (top - 0.5) * raster - half),
                 ((left + width + 0.5) * raster - half, (top + height + 0.5) * raster - half),
             )
-        return self._bounds[reach_mm]
+        return self._known[reach_mm]
 
     @cached_property
-    def _bounds(self) -> dict[float, tuple[tuple[float, float], tuple[float, float]]]:
-        return {}
-
-    @cached_property
-    def _smooth(self) -> dict[tuple[float, float], bool]:
+    def _known(self) -> dict[Any, Any]:
+        """What was asked before: bounds by reach, smoothness by spacing and reach."""
         return {}
 
     def on_cells(
         self,
-        pose: tuple[float, float, float],
+        pose: Pose,
         box_mm: float,
         side: int,
         reach_mm: float = np.inf,
@@ -166,12 +155,8 @@ class Profile:
     ) -> HeightMap:
         """Return f on the contact grid; a feature narrower than a cell keeps its lowest point.
 
-        Args:
-            pose: (x_mm, y_mm, rotation_rad) of the object.
-            box_mm: Side of the contact grid.
-            side: Cells per side.
-            reach_mm: What lies higher may come back as `OUTSIDE_MM`.
-            is_smooth: No feature is narrower than a cell: its centre says all.
+        What lies higher than `reach_mm` may come back as `OUTSIDE_MM`. Of a smooth body, which has
+        no feature narrower than a cell, the cells' centres say all.
         """
         cell = box_mm / side
         window = self.window(pose, (cell, cell), side, reach_mm)
@@ -188,16 +173,11 @@ class Profile:
         return cells
 
     def is_smooth(self, spacing_mm: float, reach_mm: float) -> bool:
-        """Tell whether samples `spacing_mm` apart give the body back wherever it is low.
-
-        Args:
-            spacing_mm: Distance of the samples, between which cubic interpolation fills in.
-            reach_mm: Height up to which the body matters.
-        """
-        asked = (spacing_mm, reach_mm)
-        if asked not in self._smooth:
-            self._smooth[asked] = self._check_smooth(spacing_mm, reach_mm)
-        return self._smooth[asked]
+        """Tell whether cubic interpolation over `spacing_mm` gives the body below `reach_mm`."""
+        key = (spacing_mm, reach_mm)
+        if key not in self._known:
+            self._known[key] = self._check_smooth(spacing_mm, reach_mm)
+        return self._known[key]
 
     def _check_smooth(self, spacing_mm: float, reach_mm: float) -> bool:
         low, high = self._bounds_mm(reach_mm)
@@ -212,16 +192,13 @@ class Profile:
         # The lines through the middle first: hardly a textured body gets farther.
         middle = [size // 2 for size in body.shape]
         lines = body[middle[0], None], body[:, middle[1], None].T
-        return all(_is_smooth_along(one, half, reach_mm) for one in (*lines, body, body.T))
+        return all(_is_smooth_along(rows, half, reach_mm) for rows in (*lines, body, body.T))
 
     def depth_for_area(self, area_mm2: float) -> float:
         """Return the depth at which `area_mm2` of the object lies below it."""
-        values = self._coarse().ravel()
+        values = self.height_mm[::4, ::4].ravel()
         rank = min(int(area_mm2 / RASTER_MM**2 * values.size), values.size - 1)
         return float(np.partition(values, rank)[rank])
-
-    def _coarse(self) -> HeightMap:
-        return self.height_mm[::4, ::4]
 
 
 def _whole(edges: list[float], side: int) -> tuple[int, int]:
@@ -268,7 +245,7 @@ def build_profile(body: Body) -> Profile:
     height = np.ascontiguousarray(indenter.height(x / scale, y / scale, rng), dtype=np.float32)
     height = height * scale  # never in place: a shape may hand out what it keeps
     if body.texture_um > 0:
-        texture = smooth_field(rng, RASTER_SIDE, body.texture_scale_mm / (RASTER_MM / RASTER_SIDE))
+        texture = smooth_field(rng, body.texture_scale_mm)
         cv2.scaleAdd(texture, body.texture_um * 1e-3, height, dst=height)
     cv2.min(height, OUTSIDE_MM, dst=height)
     # A body that bends away everywhere only shows another spot when tilted; a finite one leans.
@@ -281,8 +258,8 @@ def build_profile(body: Body) -> Profile:
     height -= np.float32(lowest)
     near = (height < np.float32(REACH_MM)).astype(np.float32)
     # Counted along each axis: a mean over the samples picked out costs five times as much.
-    each = np.ones(RASTER_SIDE, np.float32)
-    by_column, by_row = each @ near, near @ each
+    ones = np.ones(RASTER_SIDE, np.float32)
+    by_column, by_row = ones @ near, near @ ones
     count = by_row.sum()
     middle = (float(by_column @ x[0] / count), float(by_row @ y[:, 0] / count))
     height.setflags(write=False)

@@ -1,4 +1,4 @@
-"""Random scenes: which body, how it moves, on which gel; draws from measured ranges."""
+"""Random scenes: which body, how it moves, on which gel, seen how; draws from measured ranges."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, Motion
-from geotlm_lm.core.seeding import generator_for
+from geotlm_lm.core.numbers import generator_for, log_uniform
 from geotlm_lm.simulation.contact import dome_drop_mm
-from geotlm_lm.simulation.indenter import Indenter
 from geotlm_lm.simulation.indenters import INDENTERS
 from geotlm_lm.simulation.motions import (
     STEADY,
@@ -22,8 +21,17 @@ from geotlm_lm.simulation.motions import (
     random_path,
 )
 from geotlm_lm.simulation.profile import build_profile
-from geotlm_lm.simulation.randomise_optics import random_markers, random_optics
-from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
+from geotlm_lm.simulation.scene import (
+    Body,
+    Gel,
+    Markers,
+    Mounting,
+    Optics,
+    Path,
+    Scene,
+    VideoCodec,
+)
+from geotlm_lm.simulation.shapes import Indenter
 
 DEPTH_MM = (0.2, 1.2)
 """Approach a hand gives a GelSight Mini; a measured ball press has a contact radius of 2 mm."""
@@ -57,21 +65,101 @@ handling; felt only where friction is solved."""
 PRE_SHARE = 0.5
 """Share of clips whose gel is sheared or twisted already."""
 
-MARKER_SHARE = 0.0
-"""Share of clips on a gel with markers."""
-
-UNSTEADY_SHARE = 0.0
-"""Share of clips made by an unsteady hand."""
-
-MIXED_SHARE = 0.0
-"""Share of clips whose motion is freely mixed."""
-
 MIXED_DOMINANCE = 2.0
 """How many times longer one path must be than the other for a mixed motion to have one name."""
 
 TEXTURE_SCALE_MM = (0.1, 1.0)
 """Correlation length of an object's texture; from the size of a pixel on, since real imprints hold
 detail that fine: gradients at 1 px are 1.7 to 2.0 times those at 3 px."""
+
+
+ZOOM = (0.6, 1.15)
+"""Pixel size relative to a GelSight Mini's 20.3 x 15.2 mm view; small views see single details."""
+
+ASPECT = (0.95, 1.08)
+"""Pixel width over height, relative to square ones (two cameras measured)."""
+
+MOUNTING_TURN_DEG = 3.0
+"""Largest turn of the camera about its axis."""
+
+MOUNTING_SHIFT_MM = 0.85
+"""Farthest the pad's middle lies off the view's: half of what the view of 20.3 mm that readers crop
+exceeds the 18.6 mm of the data sheet."""
+
+LIGHT_TURN_DEG = 15.0
+"""Farthest a light's direction lies from its usual one."""
+
+USUAL_TURN_DEG = (0.0, -4.0, -7.0)
+"""Usual direction of each light (R, G, B) relative to the unit whose slopes were measured: three
+real sources are lit from -97, 7 and 81 degrees, it from -96, 8 and 93."""
+
+STRENGTH = (0.4, 2.1)
+"""Shading relative to the measured unit, drawn evenly on a log scale; real units go up to 2.3."""
+
+CHANNEL_STRENGTH = ((0.65, 1.3), (0.8, 1.9), (0.65, 1.35))
+"""Further factor per light, R, G, B; a second unit's is 2.3, 3.1 and 2.1 times the first's."""
+
+LIGHT_SLOPE = 0.35
+"""Largest relative growth of a light's shading from the middle to a border."""
+
+COMMON_LIGHT = 0.14
+"""Spread of what all channels change by per unit slope, relative to `STRENGTH`: it takes the
+channels' correlation on contacts from below -0.9 to the real -0.8."""
+
+STEEP_DARKENING = (0.0, 0.22)
+"""Darkening at slope 1, relative to `STRENGTH`: real imprints are as bright as the idle gel on the
+whole (0.3, -0.9 and -0.4 %)."""
+
+SATURATION = (0.0, 2.0)
+"""Softness of steep slopes; 1 to 2 fit one ball press."""
+
+DEPTH_GAIN_PER_MM = (0.066, 0.037, 0.083)
+"""Relative brightening per mm of indentation, R, G, B, measured on one unit."""
+
+DEPTH_SHARE = ((0.4, 2.2), (0.4, 2.2), (0.0, 1.6))
+"""Factor on that, R, G, B."""
+
+SHADOW = (-0.3, 0.3)
+"""Shadow behind flanks per unit slope, none below 0."""
+
+PSF_MM = (0.0, 0.07)
+"""Blur of the camera; real images hold signal up to 0.35 cycles per pixel."""
+
+NOISE_GREY = (1.7, 1.24, 2.0)
+"""Standard deviation of one frame's noise, R, G, B, measured on an uncompressed camera."""
+
+NOISE_SHARE = (0.15, 1.8)
+"""Factor on that, drawn evenly on a log scale: down to a recording that was averaged or scaled."""
+
+DRIFT_GREY = (0.02, 0.6)
+"""Spread of the white balance between frames, drawn evenly on a log scale; 0.07 to 0.11 in videos,
+up to 1 grey level where a camera sets it by itself."""
+
+SESSION_SHARE = 0.3
+"""Share of clips whose idle frame was taken in another session."""
+
+SESSION_CHANGE = 0.02
+"""Spread of the light from one session to another, relative."""
+
+VIDEO_SHARE = 0.5
+"""Share of clips that come out of a lossy video, as all 237 real recordings at hand do."""
+
+VIDEO_STRENGTH = (0.75, 1.5)
+"""Its noise relative to the measured videos', drawn evenly on a log scale."""
+
+VIDEO_FRAMES_APART = 12
+"""Most frames of a video between two of a clip; drawn evenly on a log scale from 1."""
+
+JPEG_SHARE = 0.12
+"""Share of clips stored as single JPEG images."""
+
+JPEG_QUALITY = (60, 96)
+
+MARKER_SPACING_MM = (1.8, 2.9)
+MARKER_DIAMETER_SHARE = (0.3, 0.45)
+MARKER_DARKNESS = (0.45, 0.8)
+"""Dots: distance, width relative to it, darkness; about five recordings of marked GelSight Minis
+(1.9 to 2.8 mm, 0.36 to 0.43, 0.56 to 0.62)."""
 
 
 def random_scenes(
@@ -81,39 +169,20 @@ def random_scenes(
     objects: Sequence[str],
     first_index: int = 0,
     motions: Sequence[Motion] | None = None,
-    marker_share: float = MARKER_SHARE,
-    unsteady_share: float = UNSTEADY_SHARE,
-    mixed_share: float = MIXED_SHARE,
+    **shares: float,
 ) -> list[Scene]:
     """Return scenes `first_index` .. of the endless series of `seed`; equally many of each motion.
 
-    Args:
-        seed: Root seed.
-        count: How many scenes.
-        objects: Names to draw from.
-        first_index: Where in the series to begin; a scene depends only on its place.
-        motions: Motions to draw from; all ten by default.
-        marker_share: Share of scenes on a gel with markers; the rest of a scene does not depend
-            on it.
-        unsteady_share: Share of scenes made by `motions.UNSTEADY`.
-        mixed_share: Share of scenes that turn, slide and press at once, as they may.
+    A scene depends only on its place in the series. Shares are those of `random_scene`; without
+    `motions` all ten are drawn.
     """
     kinds = tuple(motions) if motions is not None else tuple(Motion)
     scenes = []
     for index in range(first_index, first_index + count):
         rng = generator_for(seed, "scene", index)
-        order = _order(seed, index // len(kinds), len(kinds))
         name = objects[int(rng.integers(len(objects)))]
-        motion = kinds[order[index % len(kinds)]]
-        scene = random_scene(
-            rng,
-            object_name=name,
-            motion=motion,
-            marker_share=marker_share,
-            unsteady_share=unsteady_share,
-            mixed_share=mixed_share,
-        )
-        scenes.append(scene)
+        motion = kinds[_order(seed, index // len(kinds), len(kinds))[index % len(kinds)]]
+        scenes.append(random_scene(rng, object_name=name, motion=motion, **shares))
     return scenes
 
 
@@ -129,20 +198,15 @@ def random_scene(
     object_name: str,
     motion: Motion,
     indenter: Indenter | None = None,
-    marker_share: float = MARKER_SHARE,
-    unsteady_share: float = UNSTEADY_SHARE,
-    mixed_share: float = MIXED_SHARE,
+    marker_share: float = 0.0,
+    unsteady_share: float = 0.0,
+    mixed_share: float = 0.0,
 ) -> Scene:
     """Return a scene of an object doing `motion`, everything else drawn from `rng`.
 
-    Args:
-        rng: Source of everything random.
-        object_name: A name in `indenters.INDENTERS`, or any name beside an `indenter`.
-        motion: What the object does.
-        indenter: A shape of the caller's own; it keeps its size.
-        marker_share: Probability of markers on the gel.
-        unsteady_share: Probability of an unsteady hand.
-        mixed_share: Probability that it turns, slides and presses freely instead.
+    The shares are probabilities: of markers on the gel, on which the rest does not depend; of an
+    unsteady hand; of a path that turns, slides and presses freely instead. A shape of the caller's
+    own keeps its size, and may have any name.
     """
     # Nothing is drawn where no scene is mixed: plain series stay what they were.
     is_mixed = mixed_share > 0 and motion is not Motion.NONE and rng.random() < mixed_share
@@ -170,11 +234,10 @@ def random_scene(
     is_unsteady = unsteady_share > 0 and rng.random() < unsteady_share
     depths = (low, DEPTH_MM[1] + drop)
     if is_mixed:
-        path = mixed_path(rng, depth_range_mm=depths, centre_mm=centre)
+        path = mixed_path(rng, depths, centre)
         motion = dominant_motion(path)
     else:
-        hand = UNSTEADY if is_unsteady else STEADY
-        path = random_path(rng, motion, depth_range_mm=depths, centre_mm=centre, hand=hand)
+        path = random_path(rng, depths, centre, motion, UNSTEADY if is_unsteady else STEADY)
     path = with_history(rng, path)
     # Drawn last: a scene with markers is the same scene.
     if rng.random() < marker_share:
@@ -216,3 +279,67 @@ def random_body(rng: np.random.Generator, name: str) -> Body:
         texture_um=float(max(rng.uniform(-15, 40), 0.0)),
         texture_scale_mm=float(np.exp(rng.uniform(*np.log(TEXTURE_SCALE_MM)))),
     )
+
+
+def random_optics(rng: np.random.Generator) -> Optics:
+    """Return a camera, lights and noise within the ranges real units were measured in."""
+    zoom, ratio = rng.uniform(*ZOOM), rng.uniform(*ASPECT)
+    strength = log_uniform(rng, STRENGTH)
+    turns = np.radians(USUAL_TURN_DEG + rng.uniform(-1, 1, 3) * LIGHT_TURN_DEG)
+    is_other_session = rng.random() < SESSION_SHARE
+    how = rng.random()
+    return Optics(
+        mm_per_px_x=20.3 / 224 * zoom * ratio**0.5,
+        mm_per_px_y=15.2 / 224 * zoom / ratio**0.5,
+        light_turn_rad=_three(turns),
+        light_gain=_three([strength * rng.uniform(*span) for span in CHANNEL_STRENGTH]),
+        light_slope_x=_three(rng.uniform(-LIGHT_SLOPE, LIGHT_SLOPE, 3)),
+        light_slope_y=_three(rng.uniform(-LIGHT_SLOPE, LIGHT_SLOPE, 3)),
+        common_light=tuple(strength * rng.normal(0, COMMON_LIGHT) for _ in range(2)),
+        steep_darkening=strength * rng.uniform(*STEEP_DARKENING),
+        saturation=rng.uniform(*SATURATION),
+        depth_gain=_three(
+            [gain * rng.uniform(*s) for gain, s in zip(DEPTH_GAIN_PER_MM, DEPTH_SHARE, strict=True)]
+        ),
+        shadow=max(rng.uniform(*SHADOW), 0.0),
+        psf_mm=rng.uniform(*PSF_MM),
+        noise_grey=_three(np.array(NOISE_GREY) * log_uniform(rng, NOISE_SHARE)),
+        drift_grey=log_uniform(rng, DRIFT_GREY),
+        light_change=_three(rng.normal(0, SESSION_CHANGE, 3) * is_other_session),
+        jpeg_quality=int(rng.integers(*JPEG_QUALITY)) if how > 1 - JPEG_SHARE else None,
+        video=_random_video(rng) if how < VIDEO_SHARE else None,
+        idle=int(rng.integers(2**31)),
+        mounting=_random_mounting(rng),
+    )
+
+
+def random_markers(rng: np.random.Generator) -> Markers:
+    """Return a grid of dots like those of gels on sale."""
+    spacing = rng.uniform(*MARKER_SPACING_MM)
+    return Markers(
+        spacing_mm=spacing,
+        diameter_mm=spacing * rng.uniform(*MARKER_DIAMETER_SHARE),
+        darkness=rng.uniform(*MARKER_DARKNESS),
+        x_mm=rng.uniform(-0.5, 0.5) * spacing,
+        y_mm=rng.uniform(-0.5, 0.5) * spacing,
+    )
+
+
+def _random_mounting(rng: np.random.Generator) -> Mounting:
+    turn, x, y = rng.uniform(-1, 1, 3).tolist()
+    turn_rad = float(np.radians(turn * MOUNTING_TURN_DEG))
+    return Mounting(turn_rad, x * MOUNTING_SHIFT_MM, y * MOUNTING_SHIFT_MM)
+
+
+def _random_video(rng: np.random.Generator) -> VideoCodec:
+    strength, usual = log_uniform(rng, VIDEO_STRENGTH), VideoCodec()
+    return VideoCodec(
+        whole_grey=_three(strength * np.array(usual.whole_grey)),
+        predicted_grey=_three(strength * np.array(usual.predicted_grey)),
+        frames_apart=round(log_uniform(rng, (1, VIDEO_FRAMES_APART))),
+    )
+
+
+def _three(values: Sequence[float] | np.ndarray) -> tuple[float, float, float]:
+    first, second, third = (float(value) for value in values)
+    return first, second, third

@@ -1,15 +1,25 @@
 """What one simulated clip shows: object, gel, path of the object, camera and light; no randomness.
 
 Lengths are millimetres in the gel frame: origin at the middle of the view, x right, y down, z into
-the object. Rotation is positive clockwise as drawn in the image (x towards y).
+the object. Rotation is positive clockwise as drawn in the image (x towards y). A number that is not
+finite or outside its range is a ValueError.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.indenter import Indenter
+from geotlm_lm.simulation.shapes import Indenter
+
+
+def _require(name: str, value: float, low: float, high: float, unit: str = "") -> None:
+    # A NaN fails every comparison, so that this refuses it too.
+    if not low <= value <= high:
+        raise ValueError(
+            f"the {name} is {value:g}, expected {low:g} to {high:g}{unit and ' ' + unit}; a scene "
+            f"with it cannot be simulated."
+        )
 
 
 @dataclass(frozen=True)
@@ -26,9 +36,6 @@ class Gel:
             Gaussian; .3 to .45 fit the flank of one measured ball press.
         lag: Share of an indentation that is still there one frame after the object has left it; one
             parameter for the gel's creep, which lasts one to three frames.
-
-    Raises:
-        ValueError: If a number is not finite or outside its range.
     """
 
     thickness_mm: float = 4.0
@@ -60,9 +67,6 @@ class Body:
         texture_um: Standard deviation of the surface texture in micrometres.
         texture_scale_mm: Correlation length of that texture.
         indenter: The shape itself, where it is none of `indenters.INDENTERS`.
-
-    Raises:
-        ValueError: If a number is not finite or outside its range.
     """
 
     name: str
@@ -98,9 +102,6 @@ class Path:
         pre_slide_mm: Travel (right, down) in touch that ended at the first frame: the gel is
             sheared already. It shows in the gel's drift alone, and only friction carries it.
         pre_turn_rad: The same of a turn, positive clockwise.
-
-    Raises:
-        ValueError: If the lengths differ, or a number is not finite or beyond 1000.
     """
 
     depth_mm: tuple[float, ...]
@@ -111,10 +112,10 @@ class Path:
     pre_turn_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        lengths = {len(self.depth_mm), len(self.x_mm), len(self.y_mm), len(self.rotation_rad)}
+        lengths = {len(getattr(self, name)) for name in _POSE}
         if len(lengths) != 1 or 0 in lengths:
             raise ValueError(f"a path needs equally many poses of each kind, found {lengths}")
-        for name in ("depth_mm", "x_mm", "y_mm", "rotation_rad"):
+        for name in _POSE:
             for value in getattr(self, name):
                 _require(f"path's {name}", value, -1e3, 1e3)
         for value in (*self.pre_slide_mm, self.pre_turn_rad):
@@ -131,8 +132,7 @@ class Path:
     @property
     def start(self) -> Path:
         """The path of the first frame alone."""
-        first = {name: getattr(self, name)[:1] for name in _POSE}
-        return replace(self, **first)
+        return replace(self, **{name: getattr(self, name)[:1] for name in _POSE})
 
 
 @dataclass(frozen=True)
@@ -155,6 +155,9 @@ class Mounting:
         _require("mounting's turn", self.turn_rad, -7.0, 7.0, "rad")
         _require("mounting's x", self.x_mm, -100.0, 100.0, "mm")
         _require("mounting's y", self.y_mm, -100.0, 100.0, "mm")
+
+
+CENTRED = Mounting()
 
 
 @dataclass(frozen=True)
@@ -246,8 +249,13 @@ class Optics:
     jpeg_quality: int | None = None
     video: VideoCodec | None = None
     idle: int = 0
-    mounting: Mounting = field(default_factory=Mounting)
+    mounting: Mounting = CENTRED
     markers: Markers | None = None
+
+    @property
+    def mm_per_px(self) -> tuple[float, float]:
+        """Pixel size (x, y)."""
+        return self.mm_per_px_x, self.mm_per_px_y
 
 
 @dataclass(frozen=True)
@@ -267,15 +275,6 @@ class Scene:
     body: Body
     path: Path
     motion: Motion
-    gel: Gel = field(default_factory=Gel)
-    optics: Optics = field(default_factory=Optics)
+    gel: Gel = Gel()
+    optics: Optics = Optics()
     dominance: float = 1.0
-
-
-def _require(name: str, value: float, low: float, high: float, unit: str = "") -> None:
-    # A NaN fails every comparison, so that this refuses it too.
-    if not low <= value <= high:
-        raise ValueError(
-            f"the {name} is {value:g}, expected {low:g} to {high:g}{unit and ' ' + unit}; a scene "
-            f"with it cannot be simulated."
-        )

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import torch
@@ -12,16 +16,16 @@ from torch import Tensor
 from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.simulation.contact import (
     BOX_MM,
+    FAST,
     GridContact,
+    Preset,
     dome_mm,
     holds_detail,
     solve_contact,
 )
-from geotlm_lm.simulation.normal_contact import SolverStatus
-from geotlm_lm.simulation.presets import FAST, Preset
 from geotlm_lm.simulation.profile import Profile
 from geotlm_lm.simulation.scene import Scene
-from geotlm_lm.simulation.stopwatch import Stopwatch
+from geotlm_lm.simulation.solvers import SolverStatus
 
 _TAPS, _PIXELS = np.arange(-1, 3), np.arange(IMAGE_SIDE)[:, None]
 
@@ -61,14 +65,13 @@ class Surface:
         """Whether every frame is the first one, kept once."""
         return self.indentation_mm.strides[0] == 0
 
-    def repeated(self, count: int) -> Surface:
-        """Return the first frame `count` times, read-only, in no more memory."""
-        fields = (self.indentation_mm, self.touches, self.drift_mm)
-        again = (
-            None if one is None else np.broadcast_to(one[:1], (count, *one.shape[1:]))
-            for one in fields
-        )
-        return Surface(*again, self.status)
+
+@contextmanager
+def timed(timing_ms: dict[str, float], stage: str) -> Iterator[None]:
+    """Note how many milliseconds a stage takes; a stage that is missing did not run."""
+    started = time.perf_counter()
+    yield
+    timing_ms[stage] = 1e3 * (time.perf_counter() - started)
 
 
 def pressed_surface(
@@ -77,39 +80,40 @@ def pressed_surface(
     preset: Preset = FAST,
     *,
     with_drift: bool = False,
-    watch: Stopwatch | None = None,
+    timing_ms: dict[str, float] | None = None,
 ) -> Surface:
     """Return the gel's surface under `profile` in every frame of `scene`.
 
     Stages: `normal_contact` or `frictional_contact`, `interpolation`, and `fine_profile` where the
-    body has detail that the contact grid's cells do not hold. What stands still is pressed once.
-
-    Args:
-        scene: Gel, path and pixel sizes.
-        profile: The body.
-        preset: How finely and tightly the contact is solved.
-        with_drift: Whether the tangential displacement is wanted; an image without markers does
-            not need it.
-        watch: Told the stages.
+    body has detail that the contact grid's cells do not hold. What stands still is pressed once. An
+    image without markers does not need the drift.
     """
-    watch = watch or Stopwatch()
+    timing_ms = {} if timing_ms is None else timing_ms
     drags = with_drift and scene.gel.friction > 0
-    if scene.path.stands_still and len(scene.path) > 1 and not drags:
+    count = len(scene.path)
+    if scene.path.stands_still and count > 1 and not drags:
         once = replace(scene, path=scene.path.start)
-        pressed = pressed_surface(once, profile, preset, with_drift=with_drift, watch=watch)
-        return pressed.repeated(len(scene.path))
-    with watch("frictional_contact" if drags else "normal_contact"):
+        first = pressed_surface(once, profile, preset, with_drift=with_drift, timing_ms=timing_ms)
+        fields = (first.indentation_mm, first.touches, first.drift_mm)
+        repeated = (
+            None if field is None else np.broadcast_to(field, (count, *field.shape[1:]))
+            for field in fields
+        )
+        return Surface(*repeated, first.status)
+    with timed(timing_ms, "frictional_contact" if drags else "normal_contact"):
         contact = solve_contact(scene, profile, preset, with_drift=with_drift)
     cells = contact.indentation_mm.shape[-1]
     is_smooth = holds_detail(scene, profile, preset, cells)
-    with watch("interpolation"):
+    with timed(timing_ms, "interpolation"):
         solved, surface = _interpolated(scene, contact, with_gap=is_smooth)
     if not is_smooth:
-        with watch("fine_profile"):
+        with timed(timing_ms, "fine_profile"):
             frames = contact.touches.nonzero().flatten().tolist()
             _print_through(solved, surface, scene, profile, contact.reach_mm, frames)
+    # The gel rises late: a share of what a frame lacks of the one before is still there.
     if scene.gel.lag > 0:
-        _creep(surface.indentation_mm, scene.gel.lag)
+        for before, now in pairwise(surface.indentation_mm):
+            now += np.maximum(before - now, 0) * np.float32(scene.gel.lag)
     return surface
 
 
@@ -118,9 +122,9 @@ def _interpolated(
 ) -> tuple[NDArray[np.float32], Surface]:
     """Return the solution at every pixel, and the surface that the coat makes of it.
 
-    `touches` is told by the cells if `with_gap`; nothing touches yet otherwise.
+    With `with_gap` the cells decide what touches; otherwise nothing touches yet.
     """
-    mm_per_px = (scene.optics.mm_per_px_x, scene.optics.mm_per_px_y)
+    mm_per_px = scene.optics.mm_per_px
     cells = contact.indentation_mm.shape[-1]
     rows, columns = (_cubic_weights(size, cells) for size in mm_per_px[::-1])
     solved = _to_pixels(contact.indentation_mm, rows, columns)
@@ -144,16 +148,11 @@ def _interpolated(
 
 
 def _print_through(
-    solved: NDArray[np.float32],
-    surface: Surface,
-    scene: Scene,
-    profile: Profile,
-    reach: float,
-    frames: list[int],
+    solved, surface: Surface, scene: Scene, profile: Profile, reach: float, frames: list[int]
 ) -> None:
     """Put in, at the pixels of the frames in touch, what of the body is finer than the cells."""
     path, optics = scene.path, scene.optics
-    mm_per_px = (optics.mm_per_px_x, optics.mm_per_px_y)
+    mm_per_px = optics.mm_per_px
     dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE, optics.mounting)
     poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
     for frame in frames:
@@ -167,14 +166,6 @@ def _print_through(
         # Detail finer than a cell prints through wherever the object reaches below the solution.
         surface.touches[frame][inside] = rigid > elastic - np.float32(TOUCH_TOLERANCE_MM)
         np.maximum(coated, rigid, out=coated)
-
-
-def _creep(indentation_mm: NDArray[np.float32], lag: float) -> None:
-    """Let the gel rise late: a share of what a frame lacks of the one before is still there."""
-    for before, now in zip(indentation_mm[:-1], indentation_mm[1:], strict=True):
-        lacks = np.maximum(before - now, 0)
-        lacks *= np.float32(lag)
-        now += lacks
 
 
 def _gaussian(sigma_mm: float, cells: int) -> Tensor:
@@ -199,8 +190,8 @@ def _to_pixels(values: Tensor, rows: Tensor, columns: Tensor) -> NDArray[np.floa
     across = flat.reshape(-1, flat.shape[-1]) @ columns.T
     # One matrix at a time: a batch of small products costs half as much again.
     pixels = torch.empty(len(flat), IMAGE_SIDE, IMAGE_SIDE)
-    for one, out in zip(across.split(flat.shape[1]), pixels, strict=True):
-        torch.mm(rows, one, out=out)
+    for cells, out in zip(across.split(flat.shape[1]), pixels, strict=True):
+        torch.mm(rows, cells, out=out)
     return pixels.reshape(*values.shape[:-2], IMAGE_SIDE, IMAGE_SIDE).numpy()
 
 

@@ -1,6 +1,6 @@
-"""One touch said in a few numbers, for people who try things out; only the noise is random.
+"""One touch in a few numbers, for people who try things out; only the noise is random.
 
-Everything a touch does not say (optics, lights, the idle gel) is the measured GelSight Mini.
+Everything else of a touch (optics, lights, the idle gel) is the measured GelSight Mini's.
 """
 
 from __future__ import annotations
@@ -10,20 +10,24 @@ from functools import cached_property
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.simulation.indenter import Indenter
-from geotlm_lm.simulation.indenters import INDENTERS
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.simulation.contact import PresetName
+from geotlm_lm.simulation.indenters import require_shape
 from geotlm_lm.simulation.motions import dominant_motion, path_of
-from geotlm_lm.simulation.presets import PresetName
 from geotlm_lm.simulation.profile import build_profile
+from geotlm_lm.simulation.randomise import random_scene
 from geotlm_lm.simulation.scene import Body, Gel, Markers, Optics, Path, Scene
+from geotlm_lm.simulation.shapes import Indenter
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate
 from geotlm_lm.simulation.surface import pressed_surface
-from geotlm_lm.simulation.trace import Contact
+from geotlm_lm.simulation.truth import Contact, contact_of
 
 
 @dataclass(frozen=True)
 class Touch:
     """What is pressed how, and what it does in the four frames: turn, slide and press at once.
+
+    An unknown shape, or a number outside its range, is a `UsageError`.
 
     Args:
         object_name: A built-in shape, or any name beside an `indenter`.
@@ -40,9 +44,6 @@ class Touch:
         seed: Of the noise and of the idle gel.
         indenter: A shape of one's own.
         is_marked: Whether dots are printed on the gel.
-
-    Raises:
-        UsageError: If there is no such shape, or a number is outside its range.
     """
 
     object_name: str = "key"
@@ -60,11 +61,8 @@ class Touch:
     is_marked: bool = False
 
     def __post_init__(self) -> None:
-        if self.indenter is None and self.object_name not in INDENTERS:
-            raise UsageError(
-                f"There is no shape '{self.object_name[:40]}', expected one of "
-                f"{', '.join(sorted(INDENTERS))}."
-            )
+        if self.indenter is None:
+            require_shape(self.object_name)
         for name in RANGES:
             require_in_range(name, getattr(self, name))
         low, high = (self.depth_mm + sign * abs(self.press_mm) / 2 for sign in (-1, 1))
@@ -87,7 +85,7 @@ class Touch:
                 scene = self._scene(pose, Motion.STILL)
                 touches = pressed_surface(scene, build_profile(scene.body)).touches[0]
                 if touches.any():
-                    return Contact.of(scene, touches)
+                    return contact_of(scene, touches)
         return None
 
     @property
@@ -118,8 +116,7 @@ class Touch:
 
     def _scene(self, path: Path, motion: Motion) -> Scene:
         gel = Gel(thickness_mm=self.thickness_mm, friction=self.friction)
-        kind = self.indenter
-        body = Body(self.object_name, variant=self.seed, texture_um=10.0, indenter=kind)
+        body = Body(self.object_name, self.seed, texture_um=10.0, indenter=self.indenter)
         optics = Optics(idle=self.seed, markers=Markers() if self.is_marked else None)
         return Scene(body, path, motion, gel, optics)
 
@@ -139,21 +136,12 @@ RANGES = {
 """Least and most of each number: a little more than the model was trained on."""
 
 
-def require_in_range(name: str, value: float, told_as: str | None = None) -> None:
-    """Refuse a number of a touch that is outside its range.
-
-    Args:
-        name: Of the field.
-        value: What was given.
-        told_as: What the number is called where it was asked for; the field's name by default.
-
-    Raises:
-        UsageError: If it is outside, or not a number.
-    """
+def require_in_range(name: str, value: float, called: str | None = None) -> None:
+    """Refuse a number of a touch outside its range with a `UsageError` that names it."""
     low, high = RANGES[name]
     # A NaN fails every comparison, so that this refuses it too.
     if not low <= value <= high:
-        raise UsageError(f"{told_as or name} is {value:g}, expected {low:g} to {high:g}.")
+        raise UsageError(f"{called or name} is {value:g}, expected {low:g} to {high:g}.")
 
 
 def simulate_touch(
@@ -161,14 +149,29 @@ def simulate_touch(
 ) -> SimulatedClip:
     """Return the clip of a touch, its label and its true fields.
 
-    Args:
-        touch: What is done.
-        preset: How finely and tightly the contact is solved.
-        with_drift: Whether the gel's drift is among them; nothing drifts that is not touched.
-
-    Raises:
-        UsageError: If there is no such preset.
+    The gel's drift is among these if it is wanted; nothing drifts that is not touched.
     """
     scene = touch.scene()
     drifts = with_drift and max(scene.path.depth_mm) > 0
     return simulate([scene], seed=touch.seed, preset=preset, with_drift=drifts)[0]
+
+
+def simulate_motion(
+    object_name: str,
+    motion: Motion,
+    *,
+    seed: int,
+    indenter: Indenter | None = None,
+    is_marked: bool = False,
+    preset: PresetName = "fast",
+    with_drift: bool = False,
+) -> SimulatedClip:
+    """Return the clip of a motion as a random hand, gel, light and camera show it."""
+    scene = random_scene(
+        generator_for(seed, "single clip", object_name, motion.value),
+        object_name=object_name,
+        motion=motion,
+        indenter=indenter,
+        marker_share=float(is_marked),
+    )
+    return simulate([scene], seed=seed, preset=preset, with_drift=with_drift)[0]

@@ -1,25 +1,33 @@
 """A few tenths of a second of one contact: measured frame by frame, pressed as the model believes.
 
-How far it turns and slides, frames laid on each other tell; how deep it goes only the model, of
-four frames spread over the same time; when, the imprint's strength. Fusing the believed turn and
-slide as well is not taken: real turns are then over-told.
+How far it turns and slides is measured by frames laid on each other; how deep it goes is known to
+the model alone, from four frames spread over the same time; when, from the imprint's strength. The
+believed turn and slide are not fused in: real turns are then overstated.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
+from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.core.geometry import FRAME_COUNT, pixel_aspect
+from geotlm_lm.model import GeoTLM, Perception
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.track.believing import Believe
+from geotlm_lm.motion.measured import measured
+from geotlm_lm.motion.network import MotionNetwork, belief_of_one
 from geotlm_lm.track.exposure import Exposure
 from geotlm_lm.track.keyframes import Step
 
 Floats = NDArray[np.float64]
+
+Believe = Callable[[Clip], Belief]
+"""Four frames with their idle gel, to the belief of the motion from the first to the last."""
 
 LONGEST_S = 0.5
 """Time after which a block ends."""
@@ -37,43 +45,30 @@ GROWING = 3.0
 """Deviation, degrees and pixels, of a turn and a slide while the imprint's strength changes by a
 factor of e: a contact that grows unevenly moves its edge, as if it turned."""
 
-UNTOLD_MM = 0.1
+UNKNOWN_MM = 0.1
 """Deviation of the depth in a block about which the model was not asked."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """A frame as it is kept.
+    """A frame as it is kept."""
 
-    Args:
-        number: Of the frame in the recording.
-        time_s: When it was taken.
-        strength_grey: Strength of its imprint.
-        contact: Probability of contact by that strength.
-        is_touched: Whether it counts as touched.
-        step: From the frame before; None where none was measured.
-        radius_px: Of the contact; 0 without one.
-    """
-
-    number: int
-    time_s: float
-    strength_grey: float
-    contact: float
-    is_touched: bool
-    step: Step | None = None
-    radius_px: float = 0.0
+    number: int  # of the frame in the recording
+    time_s: float  # when it was taken
+    strength_grey: float  # strength of its imprint
+    contact: float  # probability of contact by that strength
+    is_touched: bool  # whether it counts as touched
+    step: Step | None = None  # from the frame before; None where none was measured
+    radius_px: float = 0.0  # of the contact; 0 without one
 
 
 @dataclass
 class Block:
-    """Rows that are settled together.
+    """Rows that are settled together."""
 
-    Args:
-        rows: The frames, the first of them measured against the end of the block before.
-        frames: Some of their pictures with their places, from the last frame of that block on.
-    """
-
+    # the frames, the first of them measured against the end of the block before
     rows: list[Row] = field(default_factory=list)
+    # some of their pictures with their places, from the last frame of that block on
     frames: list[tuple[float, Frames]] = field(default_factory=list)
 
     def add(self, row: Row, frame: Frames) -> None:
@@ -112,26 +107,17 @@ class Block:
         twists, covariances = self._twists(), self._covariances()
         if believe is None or self._is_quiet():
             return twists, covariances, 1.0
-        belief = believe(self._four(idle))
-        self._press(twists, covariances, belief)
-        return twists, covariances, belief.contact
-
-    def _grown(self) -> Floats:
-        """Return by how much the imprint's strength changes in each row, as a logarithm."""
-        strengths = np.log(self._strengths().clip(min=0.1))
-        return np.abs(np.diff(strengths, prepend=strengths[0]))
-
-    def _press(self, twists: Floats, covariances: Floats, belief: Belief) -> None:
-        """Spread the press that is believed over the steps as the imprint's strength changes."""
-        pressed = self._shares(np.diff([self._strengths()[0], *self._strengths()])[:, None])
-        twists[:, 3] = pressed * belief.mean.inward_mm
-        covariances[:, 3, 3] = pressed * belief.covariance[3, 3]
-
-    def _shares(self, steps: Floats) -> Floats:
-        """Return how what goes for the whole is spread over the steps, summing up to 1."""
-        lengths = np.linalg.norm(steps, axis=1)
+        places = np.linspace(0, len(self.frames) - 1, FRAME_COUNT).round().astype(int)
+        four = np.stack([self.frames[k][1] for k in places])
+        belief = believe(Clip(four, background=idle, name="track"))
+        # The believed press is spread over the steps as the imprint's strength changes.
+        strengths = self._strengths()
+        lengths = np.abs(np.diff(strengths, prepend=strengths[0]))
         lengths = lengths + 0.1 * lengths.mean() + 1e-9
-        return lengths / lengths.sum()
+        shares = lengths / lengths.sum()
+        twists[:, 3] = shares * belief.mean.inward_mm
+        covariances[:, 3, 3] = shares * belief.covariance[3, 3]
+        return twists, covariances, belief.contact
 
     def _strengths(self) -> Floats:
         return np.array([row.strength_grey for row in self.rows])
@@ -146,10 +132,6 @@ class Block:
             and strengths.max() < (1 + QUIET_STRENGTH) * strengths.min()
         )
 
-    def _four(self, idle: Frames) -> Clip:
-        places = np.linspace(0, len(self.frames) - 1, FRAME_COUNT).round().astype(int)
-        return Clip(np.stack([self.frames[k][1] for k in places]), background=idle, name="track")
-
     def _twists(self) -> Floats:
         twists = np.zeros((len(self.rows), 4))
         for k, row in enumerate(self.rows):
@@ -158,9 +140,38 @@ class Block:
         return twists
 
     def _covariances(self) -> Floats:
-        covariances, grown = np.zeros((len(self.rows), 4, 4)), GROWING**2 * self._grown()
+        covariances = np.zeros((len(self.rows), 4, 4))
+        logs = np.log(self._strengths().clip(min=0.1))
+        grown = GROWING**2 * np.abs(np.diff(logs, prepend=logs[0]))
         for k, row in enumerate(self.rows):
             if row.step is not None:
                 covariances[k, :3, :3] = row.step.covariance + grown[k] * np.eye(3)
-                covariances[k, 3, 3] = UNTOLD_MM**2 / len(self.rows)
+                covariances[k, 3, 3] = UNKNOWN_MM**2 / len(self.rows)
         return covariances
+
+
+def believer(model: GeoTLM, motion: MotionNetwork) -> Believe:
+    """Return what asks a model's perception and its motion network; no word is generated."""
+
+    def believe(clip: Clip) -> Belief:
+        return believed(motion, clip, model.perceive([clip]))
+
+    return believe
+
+
+@torch.inference_mode()
+def believed(
+    motion: MotionNetwork, clip: Clip, perception: Perception, doubt: float = 1.0
+) -> Belief:
+    """Return the network's belief of four frames with their idle gel, perceived in a batch of one.
+
+    The doubt is a factor that widens the spread and flattens the probabilities.
+    """
+    inputs, motions = perception.inputs, perception.motions
+    if inputs is None or not motions:  # a released encoder has no stem of its own
+        stem = measure_clip(clip)
+        inputs, motions = torch.from_numpy(stem.inputs[None]), (stem.motions,)
+    numbers = torch.from_numpy(motions[0].numbers())[None]
+    aspect = pixel_aspect(*clip.frames.shape[1:3])
+    seen = measured(inputs, numbers, perception.geometry, perception.fused_token, aspect)
+    return belief_of_one(motion(seen), doubt=doubt)

@@ -7,19 +7,17 @@ import io
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.files import replacing
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.twist import Component
-from geotlm_lm.track.amounts import Floats, Span
-from geotlm_lm.track.events import Event
+from geotlm_lm.track.events import Event, Span
 from geotlm_lm.track.track import Track
 
 UNITS = {Component.TURN: "deg", Component.PRESS: "mm"}
@@ -33,31 +31,31 @@ _PACKAGES = {
 """What writes a file, by its ending, and the extra that installs it."""
 
 
+SERVE = Path("serve")
+"""In place of a Rerun file's name: what would be written is shown in a browser."""
+
+
 def require_packages(path: Path) -> None:
     """Refuse a file whose package is not installed, before any work is done for it.
 
     Raises:
         MissingDependency: If it is not there.
     """
-    package, extra = _PACKAGES.get(path.suffix, (None, ""))
+    ending = ".rrd" if path == SERVE else path.suffix
+    package, extra = _PACKAGES.get(ending, (None, ""))
     if package is not None and find_spec(package) is None:
         raise MissingDependency(
-            f"{path}: a {path.suffix} file is written with {package}, which is not installed; run "
+            f"{path}: a {ending} file is written with {package}, which is not installed; run "
             f"`pip install 'geotlm-lm[{extra}]'`."
         )
 
 
 @dataclass(frozen=True)
 class Units:
-    """What is told of a track's events, in the units of its recording.
+    """The units of a recording, and what its events come to in them."""
 
-    Args:
-        frame_size: Rows and columns of the recording's frames.
-        mm_per_px: Width on the gel of a pixel of these frames, mm; None tells travel in these
-            pixels.
-    """
-
-    frame_size: tuple[int, int]
+    frame_size: tuple[int, int]  # rows and columns of the recording's frames
+    # width on the gel of a pixel of these frames, mm; None keeps travel in pixels
     mm_per_px: float | None = None
 
     @property
@@ -95,7 +93,7 @@ class Units:
 
     def event(self, event: Event) -> dict[str, Any]:
         """Return an event as plain JSON values; the span of its amount holds nine tenths."""
-        told: dict[str, Any] = {
+        facts: dict[str, Any] = {
             "event": event.kind.value,
             "way": _way(event),
             "begin": event.begin,
@@ -103,34 +101,23 @@ class Units:
             "begin_s": round(event.begin_s, 4),
             "end_s": round(event.end_s, 4),
         }
-        found = self.amount(event)
-        if found is not None:
-            span, unit = found
-            told |= _plain(span) | {"unit": unit}
-        return told | {"probability": round(event.probability, 4)}
+        amount = self.amount(event)
+        if amount is not None:
+            facts |= _plain(amount[0]) | {"unit": amount[1]}
+        return facts | {"probability": round(event.probability, 4)}
 
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """A track in the units of its recording.
-
-    Args:
-        track: What is exported.
-        mm_per_px: As of `Units`.
-    """
+    """A track in the units of its recording; `mm_per_px` as of `Units`."""
 
     track: Track
     mm_per_px: float | None = None
 
     @property
     def units(self) -> Units:
-        """The units it is told in."""
+        """The units of its amounts."""
         return Units(self.track.frame_size, self.mm_per_px)
-
-    @cached_property
-    def path(self) -> Floats:
-        """Integrated motion since the first frame, as of `Track`, worked out once."""
-        return self.track.path_from_start
 
     def rows(self) -> Iterator[dict[str, Any]]:
         """Yield a row of plain values for each frame, as of `Track.to_rows`, travel in its unit."""
@@ -152,8 +139,8 @@ class Exported:
         track, net, units = self.track, self.track.net_twist, self.units
         right, down = units.travelled(net.right_px, net.down_px)
         slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
-        slides = [units.amount(one)[0] for one in track.of(Component.SLIDE)]
-        path = Span(sum(one.mean for one in slides), sum(one.deviation for one in slides))
+        slides = [units.amount(event)[0] for event in track.of(Component.SLIDE)]
+        path = Span(sum(slide.mean for slide in slides), sum(slide.deviation for slide in slides))
         return {
             "frames": len(track),
             "seconds": round(track.seconds, 4),
@@ -170,7 +157,7 @@ class Exported:
     def to_dict(self) -> dict[str, Any]:
         """Return events, totals and notes as plain JSON values."""
         return {
-            "events": [self.units.event(one) for one in self.track.events],
+            "events": [self.units.event(event) for event in self.track.events],
             "totals": self.totals(),
             "notes": list(self.track.notes),
         }
@@ -178,9 +165,7 @@ class Exported:
     def save(self, path: Path, made_by: dict[str, Any]) -> None:
         """Write the table of frames; of .json also events, totals, notes and what made it.
 
-        Args:
-            path: Its ending, .csv, .parquet or .json, says how.
-            made_by: Plain values that say what made it; a .parquet file keeps them as well.
+        The ending, .csv, .parquet or .json, says how; a .parquet file keeps what made it as well.
 
         Raises:
             MissingDependency: If the package that writes it is not installed.
@@ -191,7 +176,7 @@ class Exported:
             stream.write(content)
 
     def content(self, ending: str, made_by: dict[str, Any]) -> bytes:
-        """Return what `save` writes to a file of this ending; its arguments, and errors."""
+        """Return what `save` writes to a file of this ending."""
         require_packages(Path(f"table{ending}"))
         writers = {".csv": self._csv, ".parquet": self._parquet, ".json": self._json}
         return writers[ending](made_by)
@@ -204,8 +189,8 @@ class Exported:
         return text.getvalue().encode()
 
     def _json(self, made_by: dict[str, Any]) -> bytes:
-        told = self.to_dict() | {"rows": list(self.rows()), "made_by": made_by}
-        return (json.dumps(told, indent=1) + "\n").encode()
+        whole = self.to_dict() | {"rows": list(self.rows()), "made_by": made_by}
+        return (json.dumps(whole, indent=1) + "\n").encode()
 
     def _parquet(self, made_by: dict[str, Any]) -> bytes:
         import pyarrow

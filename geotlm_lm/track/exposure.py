@@ -1,4 +1,4 @@
-"""Whether a camera exposes anew from one frame to the next, and how its pictures compare then.
+"""The idle gel of a stream, learnt while nothing touches, and how a camera exposes it.
 
 An exposure that steps changes the whole picture by one gain and one offset for each colour; what
 touches or moves changes parts of it. So a step is what gain and offset explain almost all of.
@@ -6,6 +6,7 @@ touches or moves changes parts of it. So a step is what gain and offset explain 
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 import cv2
@@ -13,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.recordings.legible import DIM_GREY
+from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.recordings.idle import FAINT_IMPRINT, activity_grey, band_pass, lost_share
+from geotlm_lm.recordings.legible import DIM_GREY, MOST_OFFSET_GREY
 
 Floats = NDArray[np.float32]
 
@@ -38,18 +41,32 @@ PLAIN_GREY = 0.5
 CLIPPED_GREY = 230.0
 """Level from which a mean may hold pixels at the end of their scale, and tells no gain."""
 
+LEARNING_FRAMES = 5
+"""Frames that must agree before they are taken for the idle gel: 0.2 s of a GelSight Mini."""
+
+STEADY_FRAMES = 15
+"""Frames that must agree before a lifted object is believed: a hand does not rest that still."""
+
+CHANGING_FRAMES = 10
+"""Frames over which a change of light adds up to a new exposure: a slower one is followed."""
+
+LIFTED_SHARE = 0.75
+"""Share of a change that is lost structure, from which on the stream is taken to have started
+touched: 0 for a touch, 1/2 for a moved object, 1 for a lifted one."""
+
+SAMPLED = 8
+"""Of so many rows and columns one is looked at to compare exposures."""
+
+FOLLOWING = 0.02
+"""Weight of a new untouched frame: light that drifts over a few seconds is followed."""
+
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """How grey levels change with a new exposure.
+    """How grey levels change with a new exposure."""
 
-    Args:
-        gain: Of red, green and blue, (3,).
-        offset_grey: Likewise, added afterwards, (3,).
-    """
-
-    gain: Floats
-    offset_grey: Floats
+    gain: Floats  # of red, green and blue, (3,)
+    offset_grey: Floats  # likewise, added afterwards, (3,)
 
     def applied(self, image: NDArray[np.generic]) -> Floats:
         """Return an image (rows, columns, 3) as it would be seen, float32, cut to 0..255."""
@@ -70,16 +87,14 @@ def shift_grey(before: Floats, after: Floats) -> float:
 def exposure_step(before: Floats, after: Floats) -> Exposure | None:
     """Return the new exposure of the later of two pictures; None where it is that of the earlier.
 
-    Args:
-        before: As `small_colours` returns it.
-        after: Likewise.
+    Both are as of `small_colours`.
     """
     if shift_grey(before, after) < LEAST_GREY or np.median(after.max(axis=-1)) < DIM_GREY:
         return None
-    is_told = (np.maximum(before, after) < CLIPPED_GREY).all(axis=-1)
-    if is_told.sum() < is_told.size / 4:
+    is_known = (np.maximum(before, after) < CLIPPED_GREY).all(axis=-1)
+    if is_known.sum() < is_known.size / 4:
         return None
-    earlier, later = before[is_told], after[is_told]
+    earlier, later = before[is_known], after[is_known]
     gain, offset = _compared(earlier, later)
     # What touches may move meanwhile: half of the picture tells the exposure as well.
     left = np.square(later - gain * earlier - offset).sum(axis=1)
@@ -101,3 +116,117 @@ def _compared(earlier: Floats, later: Floats) -> tuple[Floats, Floats]:
     """
     gain = np.hypot(later.std(axis=0), PLAIN_GREY) / np.hypot(earlier.std(axis=0), PLAIN_GREY)
     return gain, later.mean(axis=0) - gain * earlier.mean(axis=0)
+
+
+class IdleTracker:
+    """Learns the idle gel and measures every frame against it.
+
+    A gel that is known already is followed as the light drifts.
+    """
+
+    def __init__(self, idle: Frames | None = None) -> None:
+        self._recent: deque[tuple[Frames, NDArray[np.float32]]] = deque(maxlen=STEADY_FRAMES)
+        self._idle: NDArray[np.float32] | None = None
+        self._small: NDArray[np.float32] | None = None
+        self._colours: NDArray[np.float32] | None = None
+        """A frame that is exposed as the idle gel is, as exposures are compared."""
+        self._reference_age = 0
+        if idle is not None:
+            # Contiguous: OpenCV changes it in place.
+            self._idle = np.ascontiguousarray(idle, np.float32)
+            self._small = activity_grey(idle[None])[0]
+            self._colours = small_colours(idle)
+
+    @property
+    def background(self) -> Frames | None:
+        """The idle gel, uint8, shape (rows, columns, 3); None while it is being learnt."""
+        return None if self._idle is None else np.rint(self._idle).astype(np.uint8)
+
+    def follow_exposure(self, frame: Frames) -> Exposure | None:
+        """Return how a frame is exposed anew, if it is; the idle gel is then taken to be so too."""
+        if self._idle is None or frame.shape != self._idle.shape:
+            return None
+        colours = small_colours(frame)
+        step = None if self._colours is None else exposure_step(self._colours, colours)
+        if step is not None:
+            self._idle = np.ascontiguousarray(step.applied(self._idle))
+            self._small = activity_grey(self._idle[None])[0]
+            # Frames before and after do not agree with each other any more.
+            self._recent.clear()
+        if self.is_exposed_alike(frame) and self._is_new_reference(colours, step):
+            self._colours, self._reference_age = colours, 0
+        self._reference_age += 1
+        return step
+
+    def _is_new_reference(self, colours: NDArray[np.float32], step: Exposure | None) -> bool:
+        """Tell whether later frames are compared with this one: not while the light changes."""
+        if step is not None or self._colours is None or self._reference_age > CHANGING_FRAMES:
+            return True
+        return shift_grey(self._colours, colours) < STEADY_GREY
+
+    def is_exposed_alike(self, frame: Frames) -> bool:
+        """Tell whether a frame is about as bright as the idle gel: false of a flash or a cap."""
+        if self._idle is None or frame.shape != self._idle.shape:
+            return True
+        few = (slice(None, None, SAMPLED), slice(None, None, SAMPLED))
+        return abs(float(np.median(frame[few] - self._idle[few]))) <= MOST_OFFSET_GREY
+
+    def strength(self, frame: Frames) -> float | None:
+        """Take in the next frame and return its imprint; None while the gel is being learnt.
+
+        It is the grey levels (rms) between the frame and the idle gel.
+
+        Raises:
+            UnreadableClip: If it is of another size than the frames before.
+        """
+        self._require_same_size(frame)
+        small = activity_grey(frame[None])[0]
+        self._recent.append((frame, small))
+        if self._idle is None:
+            if self._agree(LEARNING_FRAMES):
+                self._learn(LEARNING_FRAMES)
+            else:
+                return None
+        strength = _rms(band_pass(small - self._small))
+        if strength > FAINT_IMPRINT and self._was_lifted():
+            self._learn(STEADY_FRAMES)
+            strength = _rms(band_pass(small - self._small))
+        elif strength < FAINT_IMPRINT / 2:
+            # Only clearly untouched frames: a touch that begins faintly must not be learnt away.
+            cv2.accumulateWeighted(frame, self._idle, FOLLOWING)
+            cv2.accumulateWeighted(small, self._small, FOLLOWING)
+        return strength
+
+    def _require_same_size(self, frame: Frames) -> None:
+        before = self._recent[-1][0] if self._recent else frame
+        before = before if self._idle is None else self._idle
+        if frame.shape != before.shape:
+            raise UnreadableClip(
+                f"A frame of the stream is {frame.shape[1]} x {frame.shape[0]} pixels after "
+                f"{before.shape[1]} x {before.shape[0]}, expected one size; keep the camera's "
+                f"resolution and start again."
+            )
+
+    def _agree(self, count: int) -> bool:
+        """Tell whether the last `count` frames show the same."""
+        if len(self._recent) < count:
+            return False
+        small = np.stack([image for _, image in list(self._recent)[-count:]])
+        middle = np.median(small, axis=0)
+        return max(_rms(band_pass(image - middle)) for image in small) < FAINT_IMPRINT
+
+    def _was_lifted(self) -> bool:
+        """Tell whether what was taken for idle had an object on it, which is gone now."""
+        if not self._agree(STEADY_FRAMES):
+            return False
+        later = np.stack([image for _, image in self._recent])
+        return float(np.median(lost_share(self._small, later))) > LIFTED_SHARE
+
+    def _learn(self, count: int) -> None:
+        frames = np.stack([frame for frame, _ in list(self._recent)[-count:]])
+        self._idle = np.median(frames, axis=0).astype(np.float32)
+        self._small = np.median([image for _, image in list(self._recent)[-count:]], axis=0)
+
+
+def _rms(image: NDArray[np.float32]) -> float:
+    return float(np.sqrt(np.square(image).mean()))

@@ -17,7 +17,7 @@ SET_BACK_FRAMES = 3
 
 
 class FrameClock:
-    """Turns the times that a source tells into times that rise."""
+    """Turns the times of a source into times that rise."""
 
     def __init__(self) -> None:
         self._last_s, self._shift_s = -math.inf, 0.0
@@ -26,24 +26,19 @@ class FrameClock:
         self._late, self._set_back, self._gaps = 0, -1, 0
         self._longest_s, self._after_gap = 0.0, -1
 
-    def time_of(self, told_s: float, number: int) -> float | None:
-        """Return when a frame was taken, seconds; None of one that is to be left out.
-
-        Args:
-            told_s: By its source.
-            number: Of the frame.
-        """
-        time_s = told_s + self._shift_s
+    def time_of(self, source_s: float, number: int) -> float | None:
+        """Return when a frame was taken, in s, or None for a frame that is to be left out."""
+        time_s = source_s + self._shift_s
         if not math.isfinite(time_s):
             self._late += 1
             return None
         if time_s <= self._last_s:
-            if not self._is_set_back(told_s):
+            if not self._is_set_back(source_s):
                 self._late += 1
                 return None
             # Those that were left out until the clock was known to be set took their time too.
             time_s = self._last_s + len(self._back) * self._usual_s
-            self._shift_s, self._set_back = time_s - told_s, number
+            self._shift_s, self._set_back = time_s - source_s, number
         elif self._steps:
             self._watch_for_gap(time_s - self._last_s, number)
         if math.isfinite(self._last_s):
@@ -73,8 +68,9 @@ class FrameClock:
     def _usual_s(self) -> float:
         return median(self._steps) if self._steps else 0.04
 
-    def _is_set_back(self, told_s: float) -> bool:
-        self._back = [*self._back, told_s] if self._back and told_s > self._back[-1] else [told_s]
+    def _is_set_back(self, source_s: float) -> bool:
+        rises = self._back and source_s > self._back[-1]
+        self._back = [*self._back, source_s] if rises else [source_s]
         return len(self._back) >= SET_BACK_FRAMES
 
     def _watch_for_gap(self, step_s: float, number: int) -> None:

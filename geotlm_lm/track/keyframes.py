@@ -20,15 +20,30 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.alignment.direct import LEAST_WEIGHT, Aligned, Picture, Rigid, align
 from geotlm_lm.alignment.search import search
+from geotlm_lm.backbone.imprint import area_means, gradients
 from geotlm_lm.backbone.motions import STILL_EVEN
-from geotlm_lm.track.pictures import CUT_COLUMNS, Floats, Place
+from geotlm_lm.backbone.view import VIEW_CELL_PX, VIEW_RADII, View, contact_view
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size, filled_size
 
+Floats = NDArray[np.float32]
 Matrix = NDArray[np.float64]
+
+COLUMNS = 168
+"""Width of the whole picture: at 320 x 240 averaging keeps what a video codec has kept in green."""
+
+CUT_COLUMNS = 112
+"""Width of the part around the contact that frames are laid on each other in."""
+
+LEVELS = 3
+
+GREEN = 1
 
 ALIKE = 0.9
 """Correlation with the key frame below which the next one is laid."""
@@ -65,30 +80,78 @@ UNKNOWN = (20.0, 20.0, 20.0)
 """Deviation of a step that was not found: the pictures share nothing."""
 
 
+def small_green(frame: Frames) -> Floats:
+    """Return the green of a frame, float32, `COLUMNS` wide, pixels square on the gel."""
+    rows, columns = camera_size(*frame.shape[:2])
+    size = (COLUMNS, max(round(COLUMNS * rows / columns), 8))
+    shrinks = frame.shape[1] > COLUMNS and frame.shape[0] > size[1]
+    how = cv2.INTER_AREA if shrinks else cv2.INTER_LINEAR
+    return cv2.resize(cv2.extractChannel(frame, GREEN), size, interpolation=how).astype(np.float32)
+
+
+@dataclass(frozen=True)
+class Place:
+    """The part of a frame around a contact: the same for all frames laid on one key frame."""
+
+    view: View
+    rows: int
+    columns: int
+
+    @classmethod
+    def around(cls, residual: Floats, rows: int, columns: int) -> Place:
+        """Return the place around what stands out from the idle gel."""
+        smooth = cv2.GaussianBlur(residual, (3, 3), 0)
+        right, down = gradients(smooth)
+        # As the stem measures it: of the green picture doubled, per pixel of the 224-pixel square.
+        scale = 2 * COLUMNS / IMAGE_SIDE
+        energy = np.square(scale * right) + np.square(scale * down)
+        return cls(contact_view([area_means(energy, IMAGE_SIDE // VIEW_CELL_PX)]), rows, columns)
+
+    @property
+    def radius_px(self) -> float:
+        """Radius of the contact, pixels of the 224-pixel square."""
+        return self.view.side_px / VIEW_RADII
+
+    def picture(self, residual: Floats) -> Picture:
+        """Return this part of a whole picture, made ready to be aligned."""
+        rows, columns = residual.shape
+        share = self.view.side_px / IMAGE_SIDE
+        zoom = share * columns / CUT_COLUMNS
+        size = (CUT_COLUMNS, max(round(CUT_COLUMNS * rows / columns), 8))
+        left = (self.view.centre_x_px / IMAGE_SIDE - share / 2) * columns
+        top = (self.view.centre_y_px / IMAGE_SIDE - share / 2) * rows
+        back = np.array([[zoom, 0, left + (zoom - 1) / 2], [0, zoom, top + (zoom - 1) / 2]])
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        return Picture.of(cv2.warpAffine(residual, back, size, flags=flags), LEVELS)
+
+    @property
+    def to_square(self) -> NDArray[np.float64]:
+        """Pixels of the 224-pixel square per pixel of the part, right and down."""
+        camera_rows, camera_columns = camera_size(self.rows, self.columns)
+        filled_rows, filled_columns = filled_size(self.rows, self.columns)
+        whole = np.array([filled_columns, filled_rows * camera_columns / camera_rows])
+        return whole * (self.view.side_px / IMAGE_SIDE / CUT_COLUMNS)
+
+    def travel(self, motion: Rigid) -> NDArray[np.float64]:
+        """Return turn (degrees) and travel of the place's middle (pixels of the square), (3,)."""
+        return np.array([np.degrees(motion.turn_rad), *(motion.travel(0, 0) * self.to_square)])
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
-    """How the contact moved from the frame before to this one.
+    """How the contact moved from the frame before to this one."""
 
-    Args:
-        twist: Turn (degrees), right and down (pixels of the 224-pixel square), (3,).
-        covariance: Of the same, (3, 3): what this step adds to the doubt of the whole way.
-        correlation: How alike the frame and the one it was laid on are.
-        is_lost: Whether nothing was found: the motion is unknown.
-    """
-
-    twist: Matrix
-    covariance: Matrix
-    correlation: float
-    is_lost: bool = False
+    twist: Matrix  # turn (degrees), right and down (pixels of the 224-pixel square), (3,)
+    covariance: Matrix  # of the same, (3, 3): what this step adds to the doubt of the whole way
+    correlation: float  # how alike the frame and the one it was laid on are
+    is_lost: bool = False  # whether nothing was found: the motion is unknown
 
 
 class KeyFrames:
     """Follows one contact from its first frame to its last.
 
-    Args:
-        residual: First frame, as `pictures.small_green` has it, less the idle gel.
-        rows: Of the frame itself.
-        columns: Of the frame itself.
+    A residual is a frame less the idle gel, both as of `small_green`; rows and columns are those
+    of the frame itself.
     """
 
     def __init__(self, residual: Floats, rows: int, columns: int) -> None:
@@ -104,7 +167,7 @@ class KeyFrames:
     def next(self, residual: Floats) -> Step:
         """Lay the next frame on those before it."""
         picture = self._place.picture(residual)
-        step = _found(self._last, picture, self._before)
+        step = _aligned(self._last, picture, self._before)
         is_lost = step.correlation < LOST / 2
         motion = Rigid() if is_lost else step.motion
         widened = np.diag(np.square(UNKNOWN)) if is_lost else _doubt(step, STEP_SHARE)
@@ -112,7 +175,11 @@ class KeyFrames:
         on_key = align(self._key, picture, pose, levels=2)
         is_seen = on_key.correlation > LOST
         if is_seen:
-            pose, covariance = _fused(pose, covariance, self._on_even(picture, on_key.motion))
+            faint = (FAINT_GREY / max(self._key.levels[-1].contrast, 1e-6)) ** 4
+            weight = LEAST_WEIGHT + min(faint, ALL_ALIKE)
+            how = {"still_grey": STILL_EVEN, "least_weight": weight, "levels": 1}
+            on_even = align(self._even, picture.even(), on_key.motion, **how)
+            pose, covariance = _fused(pose, covariance, on_even)
         taken = pose.after(self._pose.inverse())
         result = Step(
             self._place.travel(taken),
@@ -134,13 +201,6 @@ class KeyFrames:
         # The picture's pixels may be others now: the last step is no start any more.
         self._before = Rigid(self._before.turn_rad)
 
-    def _on_even(self, picture: Picture, start: Rigid) -> Aligned:
-        faint = (FAINT_GREY / max(self._key.levels[-1].contrast, 1e-6)) ** 4
-        least = LEAST_WEIGHT + min(faint, ALL_ALIKE)
-        return align(
-            self._even, picture.even(), start, still_grey=STILL_EVEN, least_weight=least, levels=1
-        )
-
     def _is_far(self, on_key: Aligned, picture: Picture) -> bool:
         pose, side = self._pose, max(picture.image.shape)
         ratio = picture.levels[-1].contrast / max(self._key.levels[-1].contrast, 1e-6)
@@ -159,23 +219,23 @@ class KeyFrames:
         return scale @ (vectors * values.clip(min=NOISE_PX**2 / 100)) @ vectors.T @ scale
 
 
-def _found(before: Picture, after: Picture, start: Rigid) -> Aligned:
+def _aligned(before: Picture, after: Picture, start: Rigid) -> Aligned:
     """Return how one picture lies on the one before; searched for where that is lost."""
-    found = align(before, after, start)
-    if found.correlation < LOST:
+    aligned = align(before, after, start)
+    if aligned.correlation < LOST:
         again = align(before, after, search(before.image, after.image))
-        found = max(found, again, key=lambda one: one.correlation)
-    return found
+        aligned = max(aligned, again, key=lambda result: result.correlation)
+    return aligned
 
 
-def _doubt(found: Aligned, share: float) -> Matrix:
-    noise = found.covariance * (CORRELATED * found.residual) ** 2
-    return noise + np.diag(np.square(share * _paths(found.motion)) + NOISE_PX**2)
+def _doubt(aligned: Aligned, share: float) -> Matrix:
+    noise = aligned.covariance * (CORRELATED * aligned.residual) ** 2
+    return noise + np.diag(np.square(share * _paths(aligned.motion)) + NOISE_PX**2)
 
 
 def _fused(pose: Rigid, covariance: Matrix, on_key: Aligned) -> tuple[Rigid, Matrix]:
-    told, path = _doubt(on_key, KEY_SHARE), _paths(pose)
-    gain = covariance @ np.linalg.inv(covariance + told)
+    path = _paths(pose)
+    gain = covariance @ np.linalg.inv(covariance + _doubt(on_key, KEY_SHARE))
     turn, right, down = path + gain @ (_paths(on_key.motion) - path)
     return Rigid(turn / LEVER_PX, right, down), (np.eye(3) - gain) @ covariance
 

@@ -1,35 +1,32 @@
-"""A track, and what was asked about it, as a Rerun recording: frames, arrows, curves, events."""
+"""A track, and a question about it, as a Rerun recording: frames, arrows, curves, events."""
 
 from __future__ import annotations
 
 import math
-import os
-import threading
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+import socket
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from importlib.util import find_spec
 from pathlib import Path
-from typing import IO, Any
+from tempfile import TemporaryDirectory
+from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 
-from geotlm_lm.core.atomic import replacing
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.recordings.every_frame import each_frame
-from geotlm_lm.track.amounts import SPAN_DEVIATIONS, Floats
-from geotlm_lm.track.events import Event
-from geotlm_lm.track.export import Exported, Units, event_name, require_packages
+from geotlm_lm.core.files import replacing
+from geotlm_lm.recordings.read import each_frame
+from geotlm_lm.track.drawing import Band, Drawing, Mark, drawing_of
+from geotlm_lm.track.export import SERVE, Exported, require_packages
 from geotlm_lm.track.tracker import ASSUMED_FPS
 
-APPLICATION = "geotlm_lm"
+APPLICATION, HOST = "geotlm_lm", "127.0.0.1"
 
 JPEG_QUALITY = 95
 """Of the frames: a recording of a minute then takes 20 MB instead of 300."""
-
-DESCRIPTORS = Path("/dev/fd")
-"""Where a pipe has a name; on Windows, which has none, a recording is kept in memory."""
-
-PIPE_BYTES = 2**20
 
 HAND_SHARE = 0.2
 """Length of the hand that shows the turn, of the image's height."""
@@ -41,9 +38,6 @@ COLOURS = {"travel": (255, 140, 0), "turn": (70, 150, 255)}
 def rerun_recording(path: Path) -> Iterator[Any]:
     """Yield a stream of Rerun's, which takes the place of `path` once the block ends without error.
 
-    Args:
-        path: Of the .rrd file; its folder is made if missing.
-
     Raises:
         MissingDependency: If Rerun is not installed.
         Unwritten: If the file cannot be written.
@@ -53,48 +47,11 @@ def rerun_recording(path: Path) -> Iterator[Any]:
 
     stream = rerun.RecordingStream(APPLICATION)
     with replacing(path) as file:
-        if not DESCRIPTORS.is_dir():
-            memory = stream.memory_recording()
-            stream.send_blueprint(_views())
-            yield stream
-            file.write(memory.drain_as_bytes())
-            return
-        with _drained_into(file) as name:
-            stream.save(name, default_blueprint=_views())
-            try:
-                yield stream
-            finally:
-                stream.disconnect()
-
-
-@contextmanager
-def _drained_into(file: IO[bytes]) -> Iterator[str]:
-    """Yield the name of a pipe whose content goes into a file; it takes all, whatever that takes.
-
-    Rerun's own thread, once its file cannot be written, has whoever flushes it wait for ever.
-    """
-    reads, writes = os.pipe()
-    failures: list[OSError] = []
-
-    def drain() -> None:
-        while content := os.read(reads, PIPE_BYTES):
-            if failures:
-                continue
-            try:
-                file.write(content)
-            except OSError as error:
-                failures.append(error)
-
-    draining = threading.Thread(target=drain, daemon=True)
-    draining.start()
-    try:
-        yield str(DESCRIPTORS / str(writes))
-    finally:
-        os.close(writes)  # Rerun has opened its own end, and closed it
-        draining.join()
-        os.close(reads)
-    if failures:
-        raise failures[0]
+        # Rerun's own file sink waits for ever on a full disk.
+        memory = stream.memory_recording()
+        stream.send_blueprint(_views())
+        yield stream
+        file.write(memory.drain_as_bytes())
 
 
 def log_clip(stream: Any, clip: Clip) -> None:
@@ -113,27 +70,26 @@ def log_track(stream: Any, exported: Exported, clip: Clip, **reading: Any) -> No
         clip: The recording it is of.
         reading: Options of `each_frame`: as it was read with.
     """
-    track = exported.track
-    places = {int(number): place for place, number in enumerate(track.numbers)}
+    drawing = drawing_of(exported.track, exported.units)
+    places = {int(number): place for place, number in enumerate(drawing.numbers)}
     for number, frame in each_frame(clip, **reading):
         if number in places:
             place = places[number]
-            _at(stream, number, float(track.times_s[place]))
+            _at(stream, number, float(drawing.times_s[place]))
             _log_frame(stream, frame)
-            _log_arrows(stream, frame, exported.path[place], exported.units)
+            _log_mark(stream, frame, drawing.mark(place))
         if number >= max(places, default=-1):
             break
-    _log_curves(stream, exported)
-    for event in track.events:
-        _log_event(stream, event, exported.units)
+    _log_curves(stream, drawing)
+    for band in drawing.bands:
+        _log_band(stream, band)
 
 
 def log_answer(stream: Any, question: str, answer: str, notes: Iterable[str] = ()) -> None:
     """Log what was asked and answered as one document."""
     import rerun
 
-    told = [f"**{question}**", answer, *(f"*{note}*" for note in notes)]
-    text = "\n\n".join(told)
+    text = "\n\n".join([f"**{question}**", answer, *(f"*{note}*" for note in notes)])
     document = rerun.TextDocument(text, media_type=rerun.MediaType.MARKDOWN)
     stream.log("answer", document, static=True)
 
@@ -145,11 +101,11 @@ def _views() -> Any:
         blueprint.TimeSeriesView(origin=name, name=name)
         for name in ("turn", "travel", "depth", "contact")
     ]
-    told = blueprint.Horizontal(
+    texts = blueprint.Horizontal(
         blueprint.TextDocumentView(origin="answer", name="answer"),
         blueprint.TextLogView(origin="events", name="events"),
     )
-    left = blueprint.Vertical(blueprint.Spatial2DView(origin="camera", name="camera"), told)
+    left = blueprint.Vertical(blueprint.Spatial2DView(origin="camera", name="camera"), texts)
     return blueprint.Blueprint(blueprint.Horizontal(left, blueprint.Vertical(*curves)))
 
 
@@ -165,59 +121,92 @@ def _log_frame(stream: Any, frame: Frames) -> None:
     stream.log("camera/image", image)
 
 
-def _log_arrows(stream: Any, frame: Frames, way: Floats, units: Units) -> None:
-    """Log how far it travelled since the first frame, in pixels of the frame, and its turn."""
+def _log_mark(stream: Any, frame: Frames, mark: Mark) -> None:
+    """Log the travel and the turn since the first frame as vectors in pixels of the frame."""
     import rerun
 
     rows, columns = frame.shape[:2]
-    filled = filled_size(*units.frame_size)
-    middle = (columns / 2, rows / 2)
-    hand = HAND_SHARE * rows
-    angle = math.radians(way[0])
+    hand, angle = HAND_SHARE * rows, math.radians(mark.hand_deg)
     vectors = {
-        "travel": (way[1] * columns / filled[1], way[2] * rows / filled[0]),
+        "travel": mark.arrow * (columns, rows),
         "turn": (hand * math.sin(angle), -hand * math.cos(angle)),
     }
     for name, vector in vectors.items():
-        arrow = rerun.Arrows2D(origins=[middle], vectors=[vector], colors=[COLOURS[name]])
+        middle, colour = (columns / 2, rows / 2), COLOURS[name]
+        arrow = rerun.Arrows2D(origins=[middle], vectors=[vector], colors=[colour])
         stream.log(f"camera/{name}", arrow)
 
 
-def _log_curves(stream: Any, exported: Exported) -> None:
+def _log_curves(stream: Any, drawing: Drawing) -> None:
     """Log each curve with the ends of the span that holds nine tenths."""
     import rerun
 
-    track, units = exported.track, exported.units
-    path, spread = exported.path, SPAN_DEVIATIONS * track.path_deviations
-    travelled = [units.travelled(one[:, 1], one[:, 2]) for one in (path, spread)]
-    curves = {
-        "turn/deg": (path[:, 0], spread[:, 0]),
-        f"travel/right_{units.name}": (travelled[0][0], travelled[1][0]),
-        f"travel/down_{units.name}": (travelled[0][1], travelled[1][1]),
-        "depth/mm": (path[:, 3], spread[:, 3]),
-    }
     times = [
-        rerun.TimeColumn("frame", sequence=track.numbers),
-        rerun.TimeColumn("time", duration=track.times_s),
+        rerun.TimeColumn("frame", sequence=drawing.numbers),
+        rerun.TimeColumn("time", duration=drawing.times_s),
     ]
-    for name, (mean, off) in curves.items():
+    for curve in drawing.curves:
+        if curve.spread is None:
+            values = rerun.Scalars.columns(scalars=curve.mean)
+            stream.send_columns(curve.panel, times, values)
+            continue
+        part = "" if curve.name == curve.panel else f"{curve.name}_"
+        entity = f"{curve.panel}/{part}{curve.unit}"
         lines = rerun.SeriesLines(names=["likely", "low", "high"], widths=[2, 1, 1])
-        stream.log(name, lines, static=True)
-        values = np.stack([mean, mean - off, mean + off], axis=1)
-        stream.send_columns(name, times, rerun.Scalars.columns(scalars=values))
-    stream.send_columns("contact", times, rerun.Scalars.columns(scalars=track.contact))
+        stream.log(entity, lines, static=True)
+        ends = (curve.mean, curve.mean - curve.spread, curve.mean + curve.spread)
+        stream.send_columns(entity, times, rerun.Scalars.columns(scalars=np.stack(ends, axis=1)))
 
 
-def _log_event(stream: Any, event: Event, units: Units) -> None:
+def _log_band(stream: Any, band: Band) -> None:
     import rerun
 
+    event, far = band.event, ""
     _at(stream, event.begin, event.begin_s)
-    found = units.amount(event)
-    far = ""
-    if found is not None:
-        span, unit = found
-        low, high = sorted((abs(span.low), abs(span.high)))
-        low = 0.0 if span.low < 0 < span.high else low
-        far = f" {abs(span.mean):.3g} {unit} ({low:.3g} to {high:.3g})"
-    text = f"{event_name(event)}{far}, until {event.end_s:.2f} s, sure {event.probability:.2f}"
+    if band.unit:
+        far = f" {band.amount:.3g} {band.unit} ({band.low:.3g} to {band.high:.3g})"
+    text = f"{band.name}{far}, until {event.end_s:.2f} s, sure {event.probability:.2f}"
     stream.log("events", rerun.TextLog(text, level=rerun.TextLogLevel.INFO))
+
+
+def write_or_serve(target: Path, write: Callable[[Path], None]) -> None:
+    """Write a Rerun recording to a file; of `SERVE` show it in a browser until Ctrl-C."""
+    if target != SERVE:
+        write(target)
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "seen.rrd"
+        write(path)
+        sys.stdout.flush()  # what was answered is read while the viewer runs
+        with suppress(KeyboardInterrupt), viewer(path) as (address, running):
+            print(f"Rerun's viewer is at {address} until Ctrl-C.", file=sys.stderr)
+            running.wait()
+
+
+@contextmanager
+def viewer(path: Path) -> Iterator[tuple[str, subprocess.Popen[bytes]]]:
+    """Yield the address of a viewer of an .rrd file, for this machine alone, and its process."""
+    data_port, page_port = _free_ports()
+    command = [str(_program()), str(path), "--serve-web", "--bind", HOST]
+    command += ["--port", str(data_port), "--web-viewer-port", str(page_port)]
+    running = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    try:
+        source = quote(f"rerun+http://{HOST}:{data_port}/proxy", safe="")
+        yield f"http://{HOST}:{page_port}/?url={source}", running
+    finally:
+        running.terminate()
+        running.wait()
+
+
+def _program() -> Path:
+    """Return the viewer's own program: the wrapper that Python runs would leave it behind."""
+    folder = Path(find_spec("rerun_cli").origin).parent
+    names = ("Rerun.app/Contents/MacOS/Rerun", "rerun.exe", "rerun")  # macOS, Windows, others
+    return next(folder / name for name in names if (folder / name).is_file())
+
+
+def _free_ports() -> list[int]:
+    with socket.socket() as first, socket.socket() as second:
+        for free in (first, second):
+            free.bind((HOST, 0))
+        return [free.getsockname()[1] for free in (first, second)]

@@ -1,58 +1,67 @@
 """The motion of a whole recording as one value, which every question about it starts from.
 
 Axes, signs and units are those of `core.twist`: clockwise, right, down and into the gel positive;
-degrees, pixels of the 224-pixel square, mm. Travel is that of the middle of the contact.
+degrees, pixels of the 224-pixel square, mm. Travel is that of the middle of the contact. What it
+comes to as a whole is one Belief, and four frames that show it best.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.frame_span import require_inside
-from geotlm_lm.core.twist import Component, Twist
-from geotlm_lm.track.amounts import COLUMNS, ENDS, SYSTEMATIC, Span, amount_of
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.core.errors import UsageError, require_inside
+from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENTS, COUNTING_PX, WAYS, Component, Twist
+from geotlm_lm.motion.belief import PX_PER_MM, Belief
+from geotlm_lm.track.events import ENDS, MOVING, SYSTEMATIC, Event, EventKind, Span, amount_of
 
 Floats = NDArray[np.float64]
 
 SPEED_S = 0.2
 """Time over which a speed is measured: less is noise."""
 
+TOUCHED = 0.5
+
+WINDOW_DEG, WINDOW_PX = 30.0, 30.0
+"""Most that turns or slides within four frames that are looked at together."""
+
+EDGE_FRAMES = 3
+"""A press that begins no later after a touch, or ends so before it ends, is the touch's own."""
+
+CLOCKWISE = {1: Motion.CLOCKWISE, -1: Motion.COUNTERCLOCKWISE}
+INWARD = {1: Motion.PRESS, -1: Motion.RELEASE}
+
+_SYSTEMATIC_OF, _ENDS_OF = np.array([SYSTEMATIC, ENDS])[:, [0, 1, 1, 2]]
+"""Of each number of a twist: a slide has two."""
+
+_ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px")
+_WAYS = ("turn_deg", "right_px", "down_px", "inward_mm")
+
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """What touched when and how it moved, frame by frame.
+    """What touched when and how it moved, frame by frame."""
 
-    Args:
-        numbers: Where each frame stood in the recording, from 0, int64 (n,).
-        times_s: When it was taken, seconds, (n,), rising.
-        contact: Probability that something touches, (n,).
-        strength_grey: Strength of the imprint, grey levels (rms), (n,).
-        twists: Motion from the frame before to each frame: turn, right, down, inward, (n, 4); zeros
-            in the first and wherever nothing touches.
-        covariances: What each step adds to the doubt of the way, (n, 4, 4).
-        radius_px: Radius of the contact, (n,); 0 where nothing touches.
-        events: What happened, by when it began.
-        frame_size: Rows and columns of the recording's frames.
-        notes: What was found amiss, one sentence each.
-    """
-
-    numbers: NDArray[np.int64]
-    times_s: Floats
-    contact: Floats
-    strength_grey: Floats
+    numbers: NDArray[np.int64]  # where each frame stood in the recording, from 0, int64 (n,)
+    times_s: Floats  # when it was taken, seconds, (n,), rising
+    contact: Floats  # probability that something touches, (n,)
+    strength_grey: Floats  # strength of the imprint, grey levels (rms), (n,)
+    # motion from the frame before to each frame: turn, right, down, inward, (n, 4); zeros in the
+    # first and wherever nothing touches
     twists: Floats
-    covariances: Floats
-    radius_px: Floats
-    events: tuple[Event, ...]
-    frame_size: tuple[int, int]
-    notes: tuple[str, ...] = ()
+    covariances: Floats  # what each step adds to the doubt of the way, (n, 4, 4)
+    radius_px: Floats  # radius of the contact, (n,); 0 where nothing touches
+    events: tuple[Event, ...]  # what happened, by when it began
+    frame_size: tuple[int, int]  # rows and columns of the recording's frames
+    notes: tuple[str, ...] = ()  # what was amiss, one sentence each
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -81,10 +90,7 @@ class Track:
     def between(self, first: float, last: float, *, unit: str = "frames") -> Track:
         """Return the track of a span, both ends included; its motion starts at rest at `first`.
 
-        Args:
-            first: Frame number or second.
-            last: Likewise, after `first`.
-            unit: "frames" or "s".
+        The ends are frame numbers, or seconds where `unit` is "s".
 
         Raises:
             UsageError: If frames are asked for that are not inside the recording, or the span holds
@@ -144,20 +150,10 @@ class Track:
         signs = [event.amount.mean > 0 for event in self.of(Component.TURN)]
         return sum(before != after for before, after in zip(signs[:-1], signs[1:], strict=True))
 
-    def speed(self, component: Component) -> Floats:
-        """Return how fast it goes around each frame: degrees, pixels or mm a second, (n,).
-
-        Signed, but for a slide.
-        """
-        rate = self.rates()[0][:, COLUMNS[component]]
-        return np.linalg.norm(rate, axis=1) if rate.shape[1] > 1 else rate[:, 0]
-
     def rates(self) -> tuple[Floats, Floats]:
         """Return how fast it turns, goes right, down and inward around each frame, (n, 4).
 
-        Returns:
-            Degrees, pixels and mm a second, and their deviations, which are zero where nothing
-            touches: what does not touch does not move.
+        Degrees, pixels and mm a second, and their deviations; both are zero where nothing touches.
         """
         if len(self) < 2:
             return np.zeros((len(self), 4)), np.zeros((len(self), 4))
@@ -198,10 +194,10 @@ class Track:
 
     def _overlapping(self, cut: Track) -> list[Event]:
         first, last = cut.numbers[0], cut.numbers[-1]
-        held = [one for one in self.events if one.begin < last and one.end > first]
-        instants = [one for one in self.events if one.begin == one.end]
-        inside = [one for one in instants if first <= one.begin <= last and one not in held]
-        return sorted([*held, *inside], key=lambda one: (one.begin, one.end))
+        held = [event for event in self.events if event.begin < last and event.end > first]
+        instants = [event for event in self.events if event.begin == event.end]
+        inside = [e for e in instants if first <= e.begin <= last and e not in held]
+        return sorted([*held, *inside], key=lambda event: (event.begin, event.end))
 
     def _inside(self, event: Event) -> Event:
         """Return the part of an event that lies in this track."""
@@ -222,10 +218,138 @@ class Track:
         )
 
 
-TOUCHED = 0.5
+def belief_of_track(track: Track, window: Belief) -> Belief:
+    """Return the belief of the motion from a track's first frame to its last.
 
-_SYSTEMATIC_OF, _ENDS_OF = np.array([SYSTEMATIC, ENDS])[:, [0, 1, 1, 2]]
-"""Of each number of a twist: a slide has two."""
+    `window` is the belief of the four frames of `window_of`, which the language model reads.
+    """
+    mean, contact = track.net_twist, float(track.contact.max(initial=0.0))
+    radii = track.radius_px[track.radius_px > 0]
+    radius = float(np.median(radii)) if len(radii) else window.radius_px
+    own = track.covariances.sum(axis=0)
+    doubt = np.square(_SYSTEMATIC_OF * track.twists.sum(axis=0)) + np.square(_ENDS_OF)
+    ways: dict[Motion, float] = {}
+    for component in COMPONENTS:
+        counts = contact * _counts(track, component, radius)
+        ways |= {way: share * counts for way, share in _shares(track, component).items()}
+    return replace(
+        window,
+        mean=mean,
+        covariance=own + np.diag(doubt),
+        ways=ways,
+        contact=contact,
+        radius_px=radius,
+    )
 
-_ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px")
-_WAYS = ("turn_deg", "right_px", "down_px", "inward_mm")
+
+def window_of(track: Track) -> tuple[int, ...]:
+    """Return the places in a track of four frames that show its motion best.
+
+    They lie evenly in its largest turn or slide, no farther apart than can be looked at together;
+    where there is none in a press, else in what is touched.
+    """
+    places = np.flatnonzero(track.is_touched)
+    main = main_event(track)
+    if main is not None:
+        first, last = np.searchsorted(track.numbers, [main.begin, main.end])
+        first, last = _shortened(track, int(first), int(last))
+    elif len(places):
+        first, last = int(places[0]), int(places[-1])
+    else:
+        first, last = 0, len(track) - 1
+    if last - first < 1:
+        first, last = max(first - 1, 0), min(last + 1, len(track) - 1)
+    return tuple(int(round(place)) for place in np.linspace(first, last, FRAME_COUNT))
+
+
+def main_event(track: Track) -> Event | None:
+    """Return the turn or slide that moves the imprint farthest; without one the longest press."""
+    presses = (EventKind.PRESS, EventKind.RELEASE)
+    return max(
+        (event for event in track.events if event.kind in (*MOVING, *presses)),
+        key=lambda event: (event.kind in MOVING, path_of_event(track, event)),
+        default=None,
+    )
+
+
+def together_s(events: Sequence[Event]) -> float:
+    """Return the time in which at least one of some events goes on."""
+    total, until = 0.0, -math.inf
+    for event in sorted(events, key=lambda event: event.begin_s):
+        total += max(event.end_s - max(event.begin_s, until), 0.0)
+        until = max(until, event.end_s)
+    return total
+
+
+def path_of_event(track: Track, event: Event) -> float:
+    """Return how far a turn, slide or press moves the imprint, pixels."""
+    far = abs(event.amount.mean)
+    if event.component is Component.TURN:
+        place = int(np.searchsorted(track.numbers, event.end))
+        return math.radians(far) * float(track.radius_px[place])
+    return far * PX_PER_MM if event.component is Component.PRESS else far
+
+
+def _shortened(track: Track, first: int, last: int) -> tuple[int, int]:
+    """Return the middle part of a span in which no more moves than is looked at together."""
+    way = np.cumsum(track.twists[first : last + 1], axis=0)
+    turned = np.abs(way[:, 0] - way[0, 0]) / WINDOW_DEG
+    slid = np.linalg.norm(way[:, 1:3] - way[0, 1:3], axis=1) / WINDOW_PX
+    share = 1 / max(float(turned.max()), float(slid.max()), 1.0)
+    middle, half = (first + last) / 2, share * (last - first) / 2
+    return max(math.floor(middle - half), first), min(math.ceil(middle + half), last)
+
+
+def _counts(track: Track, component: Component, radius_px: float) -> float:
+    """Return how probable it is that a component counts in a track that is touched."""
+    events = [event for event in track.of(component) if event.component is component]
+    if component is Component.PRESS:
+        # What begins or ends contact is a touch or a release and no press.
+        events = [event for event in events if not _is_edge(track, event)]
+    if events:
+        return max(event.probability for event in events)
+    if component is Component.PRESS:
+        return 0.0
+    net = track.net(component)
+    least = math.degrees(COUNTING_PX / max(radius_px, 1.0))
+    bound = least if component is Component.TURN else COUNTING_PX
+    bell = NormalDist(abs(net.mean), max(net.deviation, 1e-6))
+    return min(1 - bell.cdf(bound), 0.5)
+
+
+def _is_edge(track: Track, event: Event) -> bool:
+    """Tell whether a press or release is the beginning or the end of a contact."""
+    begins = [event.begin for event in track.events if event.kind is EventKind.TOUCH]
+    if event.kind is EventKind.PRESS:
+        return any(0 <= event.begin - begin <= EDGE_FRAMES for begin in begins)
+    place = int(np.searchsorted(track.numbers, event.end))
+    after = track.contact[place : place + EDGE_FRAMES + 1]
+    return bool((after < 0.5).any())
+
+
+def _shares(track: Track, component: Component) -> dict[Motion, float]:
+    """Return the probability of each way of a component, given that it counts."""
+    twist, own = track.twists.sum(axis=0), track.covariances.sum(axis=0)
+    if component is Component.SLIDE:
+        return _quarters(twist[1:3], math.sqrt(float(np.trace(own[1:3, 1:3])) / 2 + ENDS[1] ** 2))
+    net, events = track.net(component), track.of(component)
+    mean = net.mean
+    if component is Component.PRESS and events:
+        largest = max(events, key=lambda event: abs(event.amount.mean))
+        mean = largest.amount.mean
+    sure = NormalDist().cdf(mean / max(net.deviation, 1e-6))
+    named = CLOCKWISE if component is Component.TURN else INWARD
+    return {named[1]: sure, named[-1]: 1 - sure}
+
+
+def _quarters(way: np.ndarray, deviation: float) -> dict[Motion, float]:
+    """Return how probable it is that a travel lies in each quarter of the image."""
+    spread = max(math.atan2(deviation, float(np.hypot(*way))), 0.02)
+    angle = math.atan2(way[1], way[0])
+    bell, shares = NormalDist(0.0, spread), {}
+    for place, motion in enumerate((Motion.RIGHT, Motion.DOWN, Motion.LEFT, Motion.UP)):
+        off = math.remainder(angle - place * math.pi / 2, 2 * math.pi)
+        edges = math.pi / 4
+        shares[motion] = max(bell.cdf(edges - off) - bell.cdf(-edges - off), 1e-6)
+    total = sum(shares.values())
+    return {way: shares[way] / total for way in WAYS[Component.SLIDE]}

@@ -13,17 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.recordings.idle import activity_grey, estimate_background, find_idle
-from geotlm_lm.recordings.imprints import FAINT_IMPRINT, imprints_of, strength_of
-from geotlm_lm.track.believing import Believe
-from geotlm_lm.track.block import Block, Row
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.recordings.idle import (
+    FAINT_IMPRINT,
+    activity_grey,
+    estimate_background,
+    find_idle,
+    imprints_of,
+    strength_of,
+)
+from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import Event, EventFinder, Moment
+from geotlm_lm.track.exposure import IdleTracker
 from geotlm_lm.track.frame_clock import FrameClock
-from geotlm_lm.track.idle_tracker import IdleTracker
-from geotlm_lm.track.keyframes import KeyFrames, Step
-from geotlm_lm.track.pictures import Floats, small_green
-from geotlm_lm.track.table import Table
+from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
 from geotlm_lm.track.track import Track
 
 LET_GO = 0.8
@@ -34,15 +37,58 @@ STRENGTH_SPREAD = 0.15
 
 ASSUMED_FPS = 25.0
 
+END_FRAMES, TOUCHED_SHARE = 5, 0.8
+"""Frames at either end, and their share of the usual imprint from which on they are touched too."""
+
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
+
+_ROW = np.dtype(
+    [
+        ("numbers", np.int64),
+        ("times_s", np.float64),
+        ("contact", np.float32),
+        ("strength_grey", np.float32),
+        ("twists", np.float32, 4),
+        ("covariances", np.float32, (4, 4)),
+        ("radius_px", np.float32),
+    ]
+)
+"""What is kept of a frame, 108 bytes, under the names of `Track`."""
+
+
+class Table:
+    """Rows of frames, in an array that doubles."""
+
+    def __init__(self) -> None:
+        self._count, self._rows = 0, np.zeros(1024, _ROW)
+        self.way, self.doubt = np.zeros(4), np.zeros((4, 4))
+        """Sums of all twists and covariances so far."""
+
+    def add(self, row: Row, twist: NDArray, covariance: NDArray, contact: float) -> int:
+        """Keep a frame and return its place."""
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
+        self._rows[self._count] = (
+            row.number, row.time_s, contact, row.strength_grey, twist, covariance, row.radius_px
+        )  # fmt: skip
+        self.way, self.doubt = self.way + twist, self.doubt + covariance
+        self._count += 1
+        return self._count - 1
+
+    def arrays(self) -> dict[str, NDArray]:
+        """Return the columns, as of `Track`."""
+        return {
+            name: self._rows[name][: self._count].astype(np.int64 if name == "numbers" else float)
+            for name in _ROW.names
+        }
 
 
 class Tracker:
     """Follows one recording or stream.
 
     Args:
-        believe: What the model believes of four frames (`believing.believer`); None measures only:
-            the depth is not known then.
+        believe: The model's belief of four frames (`block.believer`); None measures only: the depth
+            is not known then.
         idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
     """
 
@@ -75,7 +121,7 @@ class Tracker:
     def so_far(self) -> Track:
         """The track as far as it is settled: to the end of the last event, or half a second ago."""
         shape = (0, 0) if self._before is None else self._before.shape[:2]
-        events = sorted(self._events, key=lambda one: (one.begin, one.end))
+        events = sorted(self._events, key=lambda event: (event.begin, event.end))
         return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
                      notes=self._notes())  # fmt: skip
 
@@ -97,7 +143,12 @@ class Tracker:
         if taken_s is None:
             return []
         self._time_s = taken_s
-        self._follow_exposure(frame)
+        exposure = self._idle.follow_exposure(frame)
+        if exposure is not None:
+            self._stepped.append(self._number)
+            self._block.expose(exposure)
+            if self._keys is not None:
+                self._gel = small_green(self._idle.background)
         if not self._idle.is_exposed_alike(frame):
             self._flashed += 1
             return []
@@ -115,29 +166,17 @@ class Tracker:
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
         self._settled()
-        self._keep(self._finder.finish())
+        self._events += self._finder.finish()
         return self.so_far
-
-    def _follow_exposure(self, frame: Frames) -> None:
-        """Take what is kept of earlier frames to be exposed as a frame is."""
-        exposure = self._idle.follow_exposure(frame)
-        if exposure is None:
-            return
-        self._stepped.append(self._number)
-        self._block.expose(exposure)
-        if self._keys is not None:
-            self._gel = small_green(self._idle.background)
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
-        was_touched = self._keys is not None
-        if strength is None or strength < FAINT_IMPRINT * (LET_GO if was_touched else 1):
+        least = FAINT_IMPRINT * (1 if self._keys is None else LET_GO)
+        contact = 0.0 if strength is None else _contact(strength)
+        if strength is None or strength < least:
             self._keys = None
-            contact = 0.0 if strength is None else _contact(strength)
             return Row(self._number, self._time_s, strength or 0.0, contact, False)
-        step = self._step(frame)
-        radius = self._keys.place.radius_px
-        contact = _contact(strength)
+        step, radius = self._step(frame), self._keys.place.radius_px
         return Row(self._number, self._time_s, strength, contact, True, step, radius)
 
     def _step(self, frame: Frames) -> Step | None:
@@ -168,9 +207,6 @@ class Tracker:
             moment = Moment(place, row.number, row.time_s, sure, row.is_touched, way, doubt,
                             row.radius_px)  # fmt: skip
             events += self._finder.push(moment)
-        return self._keep(events)
-
-    def _keep(self, events: list[Event]) -> list[Event]:
         self._events += events
         return events
 
@@ -202,16 +238,10 @@ def track_of(
     idle: Frames | None = None,
     progress: Progress = silent,
 ) -> Track:
-    """Return the track of a recording.
+    """Return the track of a recording; arguments and errors as of `Tracker`.
 
-    Args:
-        source: A clip, whose idle gel is looked for first, or frames with their times.
-        believe: As of `Tracker`.
-        idle: The untouched gel, if known.
-        progress: Called after each frame of a clip.
-
-    Raises:
-        UnreadableClip: As of `Tracker.feed`.
+    The source is a clip, whose idle gel is looked for first, or frames with their times. Progress
+    is told after each frame of a clip.
     """
     if not isinstance(source, Clip):
         tracker = Tracker(believe, idle=idle)
@@ -234,17 +264,13 @@ def _gel_of(clip: Clip) -> Frames | None:
     None where it can be learnt from the first frames: they show less of an imprint than others.
     """
     grey = activity_grey(clip.frames)
-    found = find_idle(clip, grey)
-    if found is not None:
-        return found
+    idle = find_idle(clip, grey)
+    if idle is not None:
+        return idle
     guess = estimate_background(clip.frames)
     strength = strength_of(imprints_of(grey, guess))
     at_ends = min(np.median(strength[:END_FRAMES]), np.median(strength[-END_FRAMES:]))
     return guess if at_ends > TOUCHED_SHARE * np.median(strength) else None
-
-
-END_FRAMES, TOUCHED_SHARE = 5, 0.8
-"""Frames at either end, and their share of the usual imprint from which on they are touched too."""
 
 
 def _contact(strength: float) -> float:

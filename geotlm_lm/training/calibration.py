@@ -1,4 +1,4 @@
-"""Fit the numbers that decide how sure an answer is, on what no weight has seen."""
+"""Fit the numbers that decide how sure an answer is, on what no weight has seen; and judge them."""
 
 from __future__ import annotations
 
@@ -18,14 +18,12 @@ TEMPERATURES = np.geomspace(0.25, 8.0, 161)
 CONTACT_QUANTILE = 0.005
 """Share of touched clips that may fall below the contact threshold."""
 
+BINS = 15
+"""Equal-width bins, as in Guo et al. 2017 (On Calibration of Modern Neural Networks)."""
+
 
 def fit_temperature(log_likelihoods: NDArray[np.floating], truths: NDArray[np.integer]) -> float:
-    """Return the temperature under which the true answers are most likely.
-
-    Args:
-        log_likelihoods: Log-likelihood of every option, shape (n, options).
-        truths: Index of the true option, shape (n,).
-    """
+    """Return the temperature under which the true of n options each are most likely."""
     losses = []
     for temperature in TEMPERATURES:
         scaled = log_likelihoods / temperature
@@ -43,15 +41,28 @@ def fit_contact_threshold(
     Midway between the untouched clips' upper and the touched clips' lower end where these are
     apart; otherwise the touched clips' lower end, so that contact is not missed.
 
-    Args:
-        contact_share: Mean contact mask of each clip, in [0, 1].
-        is_touched: Whether the clip has contact.
+    Shares are the mean contact mask of each clip, in [0, 1].
     """
     lowest_touched = float(np.quantile(contact_share[is_touched], CONTACT_QUANTILE))
     if is_touched.all():
         return lowest_touched / 2
     highest_untouched = float(np.quantile(contact_share[~is_touched], 1 - CONTACT_QUANTILE))
     return (lowest_touched + min(highest_untouched, lowest_touched)) / 2
+
+
+def expected_calibration_error(
+    confidence: NDArray[np.floating], is_right: NDArray[np.bool_], bins: int = BINS
+) -> float:
+    """Return the mean gap between confidence and accuracy, bins weighted by their answers.
+
+    Stated probabilities are in [0, 1], (n,), n >= 1, as is whether each answer was right.
+    """
+    confidence, is_right = np.asarray(confidence, float), np.asarray(is_right, float)
+    if confidence.shape != is_right.shape or not confidence.size:
+        raise ValueError(f"shapes differ or are empty: {confidence.shape}, {is_right.shape}")
+    places = np.minimum((confidence * bins).astype(int), bins - 1)
+    gaps = np.bincount(places, weights=confidence - is_right, minlength=bins)
+    return float(np.abs(gaps).sum() / confidence.size)
 
 
 def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
@@ -62,10 +73,10 @@ def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
     """
     raw = Reader(reader.model, reader.spelling, (1.0, 0.0))
     odds, right = [], []
-    for one in questions:
-        found = raw.read(one.text)
-        odds.append(math.log(found.probability / (1 - found.probability)))
-        right.append(one.is_met(found.line))
+    for question in questions:
+        reading = raw.read(question.text)
+        odds.append(math.log(reading.probability / (1 - reading.probability)))
+        right.append(question.is_met(reading.line))
     x, y = torch.tensor(odds), torch.tensor(right, dtype=torch.float32)
     line = torch.tensor([1.0, 0.0], requires_grad=True)
     optimiser = torch.optim.LBFGS([line], max_iter=100, line_search_fn="strong_wolfe")

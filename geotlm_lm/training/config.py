@@ -1,11 +1,27 @@
-"""Every setting that shapes a bundle, in three presets."""
+"""Every setting that shapes a bundle, in three presets, and the folder that a run of one owns."""
 
 from __future__ import annotations
 
+import json
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Any, Literal, TypeVar
 
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import write_text_atomically
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
+from geotlm_lm.simulation.simulate import SERIES_VERSION
+from geotlm_lm.training.examples import DAMAGED_SHARE, EXAMPLES_VERSION, VARIED, ExampleSet
+
+PRETRAINING_VERSION = 5
+"""Raised when the backbone is shown or asked other things: no older run is continued."""
+
+VALIDATION_EVERY = 7
+"""Every seventh training object is kept from all weights, for mode choice and calibration."""
 
 DGRMode = Literal["paper", "grounded"]
 Preset = TypeVar("Preset", bound="HeadsPreset")
@@ -15,13 +31,8 @@ Preset = TypeVar("Preset", bound="HeadsPreset")
 class HeadsPreset:
     """Sizes and lengths of training DGR, probe and language model on a frozen encoder.
 
-    Args:
-        name: Name of the preset.
-        head_clips: Simulated clips the heads learn from.
-        validation_clips: Clips of objects that no weight sees: best epoch, mode, calibration.
-        geometry_epochs: Epochs of DGR and probe (paper: 30).
-        language_steps: Steps of the language model.
-        language_batch: Questions per step.
+    The paper trains DGR and probe for 30 epochs. Validation clips are of objects that no weight
+    sees: best epoch, mode and calibration are chosen on them.
     """
 
     name: str
@@ -30,10 +41,6 @@ class HeadsPreset:
     geometry_epochs: int
     language_steps: int
     language_batch: int
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the fields as plain JSON values."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,8 +52,8 @@ class TrainingPreset(HeadsPreset):
         reading_teachers: How many of these teach the one that is stored; 0 stores the first.
         taught_steps: Steps of the one that they teach.
         reading_batch: Questions per step.
-        pretraining_clips: Simulated clips of the same objects as the head clips, on which the
-            backbone is pretrained; the language model learns from them too.
+        pretraining_clips: Clips of the same objects as the head clips, on which the backbone is
+            pretrained; the language model learns from them too.
         test_clips: Clips of everyday objects, scored once for the model card.
         backbone_width: Width d of a token.
         backbone_depth: Transformer blocks.
@@ -150,25 +157,77 @@ PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT, FULL)}
 HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
 
 
-def preset_named(name: str) -> TrainingPreset:
-    """Return the preset for a whole bundle called `name`.
+def preset_named(name: str, presets: dict[str, Preset] = PRESETS) -> Preset:
+    """Return the preset called `name`.
 
     Raises:
         UsageError: If there is none.
     """
-    return _named(name, PRESETS)
-
-
-def heads_preset_named(name: str) -> HeadsPreset:
-    """Return the preset for heads called `name`.
-
-    Raises:
-        UsageError: If there is none.
-    """
-    return _named(name, HEADS_PRESETS)
-
-
-def _named(name: str, presets: dict[str, Preset]) -> Preset:
     if name not in presets:
         raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(presets)}.")
     return presets[name]
+
+
+def example_sets(settings: HeadsPreset) -> dict[str, ExampleSet]:
+    """Return the sets of a run by name: five, or the two that heads alone need.
+
+    The objects of `validation` and of `test` are in no other set. Only `test` is the plain series,
+    so that the card of one bundle compares with that of another.
+    """
+    kept = TRAINING_OBJECTS[::VALIDATION_EVERY]
+    trained_on = tuple(name for name in TRAINING_OBJECTS if name not in kept)
+    sets = [
+        ExampleSet("heads", settings.head_clips, trained_on),
+        ExampleSet("validation", settings.validation_clips, kept),
+    ]
+    if isinstance(settings, TrainingPreset):
+        plain = {"count": settings.test_clips, "objects": EVERYDAY_OBJECTS, "is_varied": False}
+        sets = [
+            ExampleSet("pretraining", settings.pretraining_clips, trained_on),
+            *sets,
+            ExampleSet("test", **plain),
+            ExampleSet("mixed", **plain, is_mixed=True),
+        ]
+    return {wanted.stage: wanted for wanted in sets}
+
+
+def about_examples(settings: HeadsPreset, seed: int) -> dict[str, Any]:
+    """Return what the examples of a run depend on."""
+    about = {"preset": asdict(settings), "seed": seed, "series": SERIES_VERSION}
+    about |= {"varied": VARIED, "worn": DAMAGED_SHARE, "examples": EXAMPLES_VERSION}
+    if isinstance(settings, TrainingPreset):
+        about |= {"inputs": PATCH_INPUT_DIM, "pretraining": PRETRAINING_VERSION}
+    return about
+
+
+def claim_folder(
+    out: Path,
+    about: dict[str, Any],
+    *,
+    run: str = "another preset, seed or version of this program",
+    advice: str = "give an empty folder",
+) -> None:
+    """Mark `out` as the folder of the run that `about` describes.
+
+    Raises:
+        UsageError: If it holds another run, in the words of `run` and `advice`.
+    """
+    path = out / "run.json"
+    if path.exists() and json.loads(path.read_text()) != about:
+        raise UsageError(f"{out} holds a run of {run}; {advice}, or continue the run as it began.")
+    write_text_atomically(path, json.dumps(about, indent=1) + "\n")
+
+
+@contextmanager
+def clock(out: Path) -> Iterator[Callable[[], float]]:
+    """Give the seconds this run has taken, those before an interruption included."""
+    path, started = out / "seconds.txt", time.monotonic()
+    before = float(path.read_text()) if path.exists() else 0.0
+
+    def seconds() -> float:
+        return before + time.monotonic() - started
+
+    try:
+        yield seconds
+    finally:
+        write_text_atomically(path, f"{seconds():.1f}\n")

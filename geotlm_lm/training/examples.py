@@ -1,7 +1,8 @@
 """Simulated clips as training examples: patch inputs beside the simulator's dense truth.
 
 Clips are simulated, turned into patch inputs and written in chunks by worker processes; a run that
-was killed continues with the first missing chunk. Images are not kept.
+was killed continues with the first missing chunk. Images are not kept. Each chunk is an array of
+records, which is mapped and never read as a whole, beside a file of labels.
 """
 
 from __future__ import annotations
@@ -9,21 +10,23 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from geotlm_lm.core.atomic import replacing
+from geotlm_lm.backbone.motions import MOTIONS_SHAPE
+from geotlm_lm.backbone.stem import PATCH_INPUT_DIM, measure_clip
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
+from geotlm_lm.core.files import write_text_atomically
+from geotlm_lm.core.geometry import GRID_SIDE, TIME_BIN_COUNT
 from geotlm_lm.core.labels import ROTATIONS, Motion, MotionLabel
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import generator_for
-from geotlm_lm.local_pool import each_done
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.training.recording_forms import RecordedForm, as_recorded, bin_means, truth_in_view
-from geotlm_lm.training.stored_rows import StoredPart, StoredRows
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip
@@ -44,11 +47,46 @@ DAMAGED_SHARE = 0.2
 quality 20 nine were told wrong, of as many that grow 5 % brighter on the way six, and of as many a
 fifth as bright five; of undamaged ones none."""
 
-EXAMPLES_VERSION = 8
+EXAMPLES_VERSION = 9
 """Raised when what is stored of the same clips changes: the stem's inputs, its rigid motions, the
 truth or the labels."""
 
-_ARRAYS = ("inputs", "motions", "displacement_px", "contact", "depth_mm")
+_GRID = (TIME_BIN_COUNT, GRID_SIDE, GRID_SIDE)
+
+EXAMPLE = np.dtype(
+    [
+        ("inputs", np.float16, (*_GRID, PATCH_INPUT_DIM)),
+        ("motions", np.float16, MOTIONS_SHAPE),  # as `Motions.numbers` has them
+        ("displacement_px", np.float16, (*_GRID, 2)),  # since the first frame, of the square image
+        ("contact", np.float16, _GRID),  # share of each patch
+        ("depth_mm", np.float16, _GRID),
+    ]
+)
+"""One example as it is stored: inputs, rigid motions to the last frame, means of each time-bin."""
+
+
+class StoredRows:
+    """The rows of several arrays, one behind the other, read when a slice or row numbers ask."""
+
+    def __init__(self, parts: Sequence[NDArray]) -> None:
+        self._parts = tuple(parts)
+        self._ends = np.cumsum([len(part) for part in parts])
+
+    def __len__(self) -> int:
+        return int(self._ends[-1])
+
+    def __getitem__(self, rows: slice | ArrayLike) -> NDArray:
+        wanted = np.arange(len(self))[rows]
+        first = self._parts[0]
+        values = np.empty((len(wanted), *first.shape[1:]), first.dtype)
+        where = np.searchsorted(self._ends, wanted, side="right")
+        for index in np.unique(where):
+            part, is_here = self._parts[index], where == index
+            values[is_here] = part[wanted[is_here] - (self._ends[index] - len(part))]
+        return values
+
+    def __array__(self, dtype: DTypeLike = None, copy: bool | None = None) -> NDArray:
+        return np.asarray(self[:], dtype)
 
 
 Rows = NDArray[np.float16] | StoredRows
@@ -56,19 +94,7 @@ Rows = NDArray[np.float16] | StoredRows
 
 @dataclass(frozen=True, eq=False)
 class Examples:
-    """A set of examples; arrays, or rows that are read when they are asked for, side by side.
-
-    Args:
-        inputs: Patch inputs, float16, shape (n, 2, 14, 14, dim).
-        motions: The rigid motions to the last frame, as `Motions.numbers` has them, float16,
-            shape (n, 4, 7).
-        displacement_px: True displacement since the first frame, mean per time-bin, float16,
-            shape (n, 2, 14, 14, 2), pixels of the square image.
-        contact: Share of each patch in contact per time-bin, float16, shape (n, 2, 14, 14).
-        depth_mm: Mean indentation per time-bin, float16, shape (n, 2, 14, 14).
-        labels: The truth of each clip.
-        objects: Name of the touched object of each clip.
-    """
+    """A set of examples: fields of `EXAMPLE`, the truth of each clip, and its object's name."""
 
     inputs: Rows
     motions: Rows
@@ -102,8 +128,8 @@ class ExampleSet:
     is_mixed: bool = False
 
     def simulated(self, stage_seed: int, first_index: int, count: int) -> Iterator[SimulatedClip]:
-        """Yield clips `first_index` .. of the set, each made when it is asked for."""
-        from geotlm_lm.simulation.series import simulate_series
+        """Yield clips `first_index` .. of the set, each simulated when it is asked for."""
+        from geotlm_lm.simulation.simulate import simulate_series
 
         return simulate_series(
             stage_seed,
@@ -121,7 +147,7 @@ class ExampleSet:
     def chunk_paths(self, folder: Path) -> list[Path]:
         """Return the files in `folder` that hold the set."""
         chunk_count = -(-self.count // CHUNK_CLIPS)
-        return [folder / f"{self.stage}_{index:04d}.npz" for index in range(chunk_count)]
+        return [folder / f"{self.stage}_{index:04d}.npy" for index in range(chunk_count)]
 
 
 def simulate_examples(
@@ -134,92 +160,63 @@ def simulate_examples(
 ) -> None:
     """Simulate the chunks of `sets` that are not yet in `folder`.
 
-    Ctrl-C ends the workers at once; finished chunks are kept.
-
-    Args:
-        folder: Where the chunks lie.
-        sets: What to simulate.
-        seed: Root seed.
-        workers: Processes; the examples do not depend on it.
-        progress: Told how far it is.
+    Ctrl-C ends the workers at once; finished chunks are kept. The examples do not depend on the
+    number of worker processes.
     """
-    jobs, chunk_count = [], 0
-    for one in sets:
-        paths = one.chunk_paths(folder)
-        chunk_count += len(paths)
-        jobs += [(path, one, index, seed) for index, path in enumerate(paths) if not path.exists()]
-    if not jobs:
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    done = chunk_count - len(jobs)
-    for _ in each_done(_write_chunk, jobs, workers):
-        done += 1
-        progress(f"simulate chunks of {CHUNK_CLIPS}", done, chunk_count)
+    jobs = [
+        ((wanted, chunk, path), path)
+        for wanted in sets
+        for chunk, path in enumerate(wanted.chunk_paths(folder))
+    ]
+    do_parts(
+        f"simulate chunks of {CHUNK_CLIPS}",
+        partial(_simulate_chunk, seed),
+        jobs,
+        np.save,
+        workers=Workers(workers),
+        progress=progress,
+    )
 
 
-def read_examples(folder: Path, *wanted: ExampleSet) -> Examples:
+def read_examples(folder: Path, *sets: ExampleSet) -> Examples:
     """Read sets that `simulate_examples` wrote, one behind the other.
 
     Raises:
         UsageError: If the clips touch other objects than wanted, so that two sets might share one.
     """
-    # Only labels are read now: sets are gigabytes, and several processes may train on them.
-    parts: dict[str, list[StoredPart]] = {name: [] for name in _ARRAYS}
-    labels: list[MotionLabel] = []
-    objects: list[str] = []
-    for one in wanted:
-        for index, path in enumerate(one.chunk_paths(folder)):
-            about = _about(path)
-            taken = min(len(about), one.count - index * CHUNK_CLIPS)
-            for name in _ARRAYS:
-                parts[name].append(StoredPart.of(path, name, taken))
-            labels += [MotionLabel.from_dict(label) for _, label in about[:taken]]
-            objects += [name for name, _ in about[:taken]]
-            _refuse_strangers(folder, one, [name for name, _ in about])
-    arrays = {name: StoredRows(found) for name, found in parts.items()}
-    return Examples(**arrays, labels=tuple(labels), objects=tuple(objects))
+    parts: list[NDArray] = []
+    about: list[tuple[str, dict]] = []
+    for wanted in sets:
+        for index, path in enumerate(wanted.chunk_paths(folder)):
+            chunk = json.loads(path.with_suffix(".json").read_text())
+            strangers = sorted({name for name, _ in chunk} - set(wanted.objects))
+            if strangers:
+                raise UsageError(
+                    f"{folder}: the {wanted.stage} clips touch {', '.join(strangers)}, expected "
+                    f"only objects of that set; delete the folder to simulate them again."
+                )
+            taken = min(len(chunk), wanted.count - index * CHUNK_CLIPS)
+            # Mapped: sets are gigabytes, and several processes may train on them.
+            parts.append(np.load(path, mmap_mode="r")[:taken])
+            about += chunk[:taken]
+    rows = {name: StoredRows([part[name] for part in parts]) for name in EXAMPLE.names}
+    labels = tuple(MotionLabel.from_dict(label) for _, label in about)
+    return Examples(**rows, labels=labels, objects=tuple(name for name, _ in about))
 
 
-def _refuse_strangers(folder: Path, wanted: ExampleSet, objects: Sequence[str]) -> None:
-    strangers = sorted(set(objects) - set(wanted.objects))
-    if strangers:
-        raise UsageError(
-            f"{folder}: the {wanted.stage} clips touch {', '.join(strangers)}, expected only "
-            f"objects of that set; delete the folder to simulate them again."
-        )
-
-
-def _write_chunk(job: tuple[Path, ExampleSet, int, int]) -> None:
-    path, wanted, chunk, seed = job
-    first = chunk * CHUNK_CLIPS
+def _simulate_chunk(seed: int, chunk: tuple[ExampleSet, int, Path]) -> NDArray:
+    """Return the examples of a chunk, once its labels are written beside where it will lie."""
+    wanted, number, path = chunk
+    first = number * CHUNK_CLIPS
     stage_seed = int(generator_for(seed, "examples", wanted.stage).integers(2**62))
-    arrays: dict[str, list] = {name: [] for name in _ARRAYS}
-    about = []
+    examples, about = [], []
     clips = wanted.simulated(stage_seed, first, CHUNK_CLIPS)
     for index, simulated in enumerate(clips, start=first):
-        rng = generator_for(stage_seed, "form", index)
-        recorded = wanted.recorded(simulated, rng)
-        for name, values in zip(_ARRAYS, _example(recorded), strict=True):
-            arrays[name].append(values)
+        recorded = wanted.recorded(simulated, generator_for(stage_seed, "form", index))
+        inputs, view, motions = measure_clip(recorded.clip)
+        truth = truth_in_view(view, recorded.truth)
+        means = (bin_means(values[recorded.order]) for values in truth)
+        examples.append((inputs, motions.numbers(), *means))
         about.append([simulated.object_name, recorded.label.to_dict()])
-    stacked = {name: np.stack(values).astype(np.float16) for name, values in arrays.items()}
-    with (
-        uninterrupted_step(),
-        replacing(path) as stream,
-    ):  # a worker ended here leaves no part of a file
-        np.savez(stream, about=np.array(json.dumps(about)), **stacked)
-
-
-def _example(recorded: RecordedForm) -> tuple[NDArray, ...]:
-    """Return the arrays of one example, in the order of `_ARRAYS`."""
-    from geotlm_lm.backbone.stem import measure_clip
-
-    inputs, view, motions = measure_clip(recorded.clip)
-    truth = truth_in_view(view, recorded.truth)
-    return inputs, motions.numbers(), *(bin_means(values[recorded.order]) for values in truth)
-
-
-def _about(path: Path) -> list:
-    """Return the object and the label of each clip of a chunk."""
-    with np.load(path, allow_pickle=False) as stored:
-        return json.loads(str(stored["about"]))
+    write_text_atomically(path.with_suffix(".json"), json.dumps(about) + "\n")
+    return np.array(examples, EXAMPLE)

@@ -1,25 +1,30 @@
-"""The paper's protocol on one fold: frozen tokens, standardised on training, a small read-out.
+"""The paper's protocol: folds in which no object stands on two sides, and a small read-out on each.
 
-Every recipe sees the same standardised tokens in the same order; nothing here knows how a fold was
-drawn or what is made of its predictions.
+The validation part of a fold exists so that the best epoch is never chosen on the held-out objects.
+Every recipe sees the same tokens, standardised on training, in the same order.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
 import torch.nn.functional as F
+from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.numbers import Labels, generator_for, group_codes, seed_for
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
-from geotlm_lm.dgr.encoder import Geometry
+from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.config import DGRMode
+from geotlm_lm.training.fit import fit_epochs
 from geotlm_lm.training.geometry import (
     ALL_MOTIONS,
     BATCH,
@@ -30,10 +35,82 @@ from geotlm_lm.training.geometry import (
     fit_standardisers,
     grounding_loss,
 )
-from geotlm_lm.training.least_squares_start import initialise_from_truth
-from geotlm_lm.training.object_folds import Fold, Rows
 
 PREDICT_BATCH = 256
+
+RIDGE = 1e-3
+"""Added to the tokens' covariance, relative to its mean diagonal: tokens are nearly collinear."""
+
+CONTACT_LOGITS = 4.0
+"""Logit between no contact and full contact at the start: masks of 0.12 and 0.88."""
+
+Rows = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Fold:
+    """Row numbers of one fold: to fit on, to choose the epoch on, and to report.
+
+    The objects of `test`, `held_out`, are in neither of the others.
+    """
+
+    train: Rows
+    val: Rows
+    test: Rows
+    held_out: tuple[str, ...]
+
+
+def object_folds(
+    objects: Labels, fold_count: int, *, seed: int, val_share: float = 0.15
+) -> list[Fold]:
+    """Deal the objects of rows into folds of nearly equal object count; each is held out once.
+
+    Of the objects not held out `val_share` become validation objects, at least one.
+
+    Raises:
+        ValueError: If the objects do not suffice for three disjoint parts in each fold.
+    """
+    codes, names = group_codes(objects)
+    if not 2 <= fold_count <= len(names) or len(names) < 3:
+        raise ValueError(
+            f"{fold_count} folds of three disjoint parts need at least {max(fold_count, 3)} "
+            f"objects, and at least 2 folds; found {len(names)} objects"
+        )
+    order = generator_for(seed, "folds").permutation(len(names))
+    return list(_folds(codes, names, np.array_split(order, fold_count), seed, val_share))
+
+
+def leave_one_object_out(objects: Labels, *, seed: int, val_share: float = 0.15) -> list[Fold]:
+    """Hold out each object once, in order of first appearance; arguments as in `object_folds`.
+
+    Raises:
+        ValueError: If there are fewer than three objects.
+    """
+    codes, names = group_codes(objects)
+    if len(names) < 3:
+        raise ValueError(f"three disjoint parts need at least 3 objects; found {len(names)}")
+    parts = [np.array([number]) for number in range(len(names))]
+    return list(_folds(codes, names, parts, seed, val_share))
+
+
+def _folds(
+    codes: Rows, names: list, parts: list[Rows], seed: int, val_share: float
+) -> Iterator[Fold]:
+    everything = np.arange(len(names))
+    for number, test in enumerate(parts):
+        rest = np.setdiff1d(everything, test)
+        rest = generator_for(seed, "validation", number).permutation(rest)
+        # One object stays for training and one for validation, whatever the share.
+        val_count = min(max(1, round(val_share * len(rest))), len(rest) - 1)
+        if val_count < 1:
+            raise ValueError("a fold leaves fewer than two objects for training and validation")
+        val, train = rest[:val_count], rest[val_count:]
+        yield Fold(
+            train=np.flatnonzero(np.isin(codes, train)),
+            val=np.flatnonzero(np.isin(codes, val)),
+            test=np.flatnonzero(np.isin(codes, test)),
+            held_out=tuple(str(names[number]) for number in test),
+        )
 
 
 @dataclass(frozen=True)
@@ -51,14 +128,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class FoldOutcome:
-    """What one recipe came to on one fold.
-
-    Args:
-        predictions: The motion named for each test row.
-        best_epoch: The epoch that was kept, counted from 1.
-        validation_accuracy: Accuracy of that epoch on the validation rows.
-        parameters: How many numbers were trained.
-    """
+    """What one recipe came to on one fold: the motions of its test rows, by the epoch kept."""
 
     predictions: tuple[Motion, ...]
     best_epoch: int
@@ -79,20 +149,21 @@ class StandardisedFold:
 
 def standardise_fold(data: TokenSet, fold: Fold) -> StandardisedFold:
     """Cut a set of tokens into a fold's parts; only the training rows shape the statistics."""
-    parts = [_rows_of(data, rows) for rows in (fold.train, fold.val, fold.test)]
-    standardisers = fit_standardisers(parts[0].tokens)
-    whole, patchwise = standardisers
-    ready = [
-        replace(
-            part,
-            tokens=Tokens(
-                whole.apply(part.tokens.global_token.float()),
-                patchwise.apply(part.tokens.patches.float()),
-            ),
-        )
-        for part in parts
-    ]
-    return StandardisedFold(*ready, *standardisers)
+
+    def cut(rows: Rows) -> TokenSet:
+        values = {name: value for name, value in vars(data).items() if value is not None}
+        tokens = values.pop("tokens")
+        tokens = Tokens(tokens.global_token[rows], tokens.patches[rows])
+        return replace(data, tokens=tokens, **{name: v[rows] for name, v in values.items()})
+
+    parts = [cut(rows) for rows in (fold.train, fold.val, fold.test)]
+    whole, patchwise = fit_standardisers(parts[0].tokens)
+    ready = []
+    for part in parts:
+        global_token = whole.apply(part.tokens.global_token.float())
+        patches = patchwise.apply(part.tokens.patches.float())
+        ready.append(replace(part, tokens=Tokens(global_token, patches)))
+    return StandardisedFold(*ready, whole, patchwise)
 
 
 def train_on_fold(
@@ -108,37 +179,26 @@ def train_on_fold(
     Best is the highest accuracy on the validation rows, and among equals the least loss: with few
     objects to validate on many epochs are equally accurate.
 
-    Args:
-        fold: The tokens.
-        labels: The motions to tell apart; every row's motion is one of them.
-        recipe: What is trained.
-        epochs: Epochs over the training rows, at least one (paper: 30).
-        seed: Root of the first weights and of the order of the rows.
+    Every row's motion is one of `labels`. The paper takes 30 epochs.
     """
-    if recipe.parts is None:
-        fold = _without_patches(fold)
     reader = _Reader(fold.train.tokens, labels, recipe, seed)
     if recipe.mode == "grounded":
         initialise_from_truth(reader.dgr, fold.train)
-    optimiser = torch.optim.AdamW(reader.rates(), weight_decay=WEIGHT_DECAY)
-    best: tuple[tuple[float, float], int, dict[str, Tensor]] | None = None
-    for epoch in range(epochs):
-        order = generator_for(seed, "fold", epoch).permutation(len(fold.train.tokens))
-        for rows in torch.from_numpy(order).split(BATCH):
-            loss = reader.loss(_rows_of(fold.train, rows))
-            optimiser.zero_grad(set_to_none=True)
-            loss.backward()
-            optimiser.step()
-        score = reader.score(fold.val)
-        if best is None or score > best[0]:
-            best = score, epoch + 1, {k: v.clone() for k, v in reader.state_dict().items()}
-    (accuracy, _), best_epoch, state = best
-    reader.load_state_dict(state)
-    found = reader.logits(fold.test).argmax(dim=-1)
+    best = fit_epochs(
+        reader,
+        torch.optim.AdamW(reader.rates(), weight_decay=WEIGHT_DECAY),
+        lambda rows: reader.loss(fold.train, rows),
+        lambda: reader.score(fold.val),
+        count=len(fold.train.tokens),
+        batch=BATCH,
+        epochs=epochs,
+        order=lambda epoch: generator_for(seed, "fold", epoch).permutation(len(fold.train.tokens)),
+    )
+    columns = reader.logits(fold.test).argmax(dim=-1)
     return FoldOutcome(
-        predictions=tuple(labels[index] for index in found.tolist()),
-        best_epoch=best_epoch,
-        validation_accuracy=accuracy,
+        predictions=tuple(labels[index] for index in columns.tolist()),
+        best_epoch=best.epoch,
+        validation_accuracy=best.score[0],
         parameters=sum(parameter.numel() for parameter in reader.parameters()),
     )
 
@@ -170,26 +230,27 @@ class _Reader(nn.Module):
             groups.append({"params": list(self.dgr.parameters()), "lr": DGR_RATE})
         return groups
 
-    def forward(self, tokens: Tokens) -> tuple[Tensor, Geometry | None]:
+    def forward(self, part: TokenSet, rows: Tensor | slice) -> tuple[Tensor, Geometry | None]:
+        """Return logits and geometry of some rows; patches are gathered only where DGR reads."""
+        tokens = part.tokens.global_token[rows]
         if self.dgr is None:
-            return self.probe(tokens.global_token), None
-        geometry = self.dgr(tokens.patches)
-        return self.probe(tokens.global_token + geometry.feature), geometry
+            return self.probe(tokens), None
+        geometry = self.dgr(part.tokens.patches[rows])
+        return self.probe(tokens + geometry.feature), geometry
 
-    def loss(self, batch: TokenSet) -> Tensor:
+    def loss(self, part: TokenSet, rows: Tensor) -> Tensor:
         """Return the training loss of a batch."""
-        logits, geometry = self(batch.tokens)
-        loss = F.cross_entropy(logits, self.columns[batch.motions])
+        logits, geometry = self(part, rows)
+        loss = F.cross_entropy(logits, self.columns[part.motions[rows]])
         if self.recipe.mode == "grounded":
-            loss = loss + grounding_loss(geometry, batch, slice(None))
+            loss = loss + grounding_loss(geometry, part, rows)
         return loss
 
     @torch.no_grad()
     def logits(self, part: TokenSet) -> Tensor:
         """Return the logits of every row."""
         starts = range(0, len(part.tokens), PREDICT_BATCH)
-        slices = (slice(start, start + PREDICT_BATCH) for start in starts)
-        return torch.cat([self(_tokens_of(part.tokens, rows))[0] for rows in slices])
+        return torch.cat([self(part, slice(start, start + PREDICT_BATCH))[0] for start in starts])
 
     def score(self, part: TokenSet) -> tuple[float, float]:
         """Return accuracy and negative loss, so that the greater is the better."""
@@ -198,29 +259,44 @@ class _Reader(nn.Module):
         return float(accuracy), -float(F.cross_entropy(logits, truth))
 
 
-def _without_patches(fold: StandardisedFold) -> StandardisedFold:
-    """Return the fold without its patch tokens: what nobody reads need not be gathered."""
+@torch.no_grad()
+def initialise_from_truth(dgr: DGR, train: TokenSet) -> None:
+    """Set shear and mask to the linear maps that come nearest to the truth of the training rows.
 
-    def bare(part: TokenSet) -> TokenSet:
-        whole = part.tokens.global_token
-        return replace(part, tokens=Tokens(whole, whole[:, :0]))
-
-    return replace(fold, train=bare(fold.train), val=bare(fold.val), test=bare(fold.test))
-
-
-def _tokens_of(tokens: Tokens, rows: Rows | Tensor | slice) -> Tokens:
-    return Tokens(tokens.global_token[rows], tokens.patches[rows])
-
-
-def _rows_of(data: TokenSet, rows: Rows | Tensor | slice) -> TokenSet:
-    def pick(values: Tensor | None) -> Tensor | None:
-        return None if values is None else values[rows]
-
-    return TokenSet(
-        tokens=_tokens_of(data.tokens, rows),
-        shear_change=pick(data.shear_change),
-        contact=pick(data.contact),
-        motions=data.motions[rows],
-        is_readable=data.is_readable[rows],
-        counts_motion=data.counts_motion[rows],
+    The change of shear is fitted to the true change of displacement where there is contact, the
+    mask's logit to the true contact. The bundle's own DGR starts from the read-outs its backbone
+    was pretrained through; they are not kept with the weights, and encoders of others had none.
+    """
+    patches, contact = train.tokens.patches, train.contact.float()
+    counted = contact * train.counts_motion.float()[:, None, None]
+    change = train.shear_change.float() / FLOW_SCALE_PX
+    shear, _ = _nearest(patches[:, 1] - patches[:, 0], change, counted, has_offset=False)
+    mask, offset = _nearest(
+        patches.mean(dim=1),
+        CONTACT_LOGITS * (contact - 0.5)[..., None],
+        torch.ones_like(contact),
+        has_offset=True,
     )
+    dgr.to_shear.weight.copy_(shear.T)
+    dgr.to_shear.bias.zero_()
+    dgr.to_mask.weight.copy_(mask.T)
+    dgr.to_mask.bias.copy_(offset)
+
+
+def _nearest(
+    features: Tensor, targets: Tensor, weight: Tensor, *, has_offset: bool
+) -> tuple[Tensor, Tensor]:
+    """Return the weighted ridge regression of targets (..., c) on features: map and offset."""
+    width = features.shape[-1]
+    gram = torch.zeros(width + 1, width + 1, dtype=torch.float64)
+    product = torch.zeros(width + 1, targets.shape[-1], dtype=torch.float64)
+    # Clip by clip batches: all patches of a thousand clips in double precision would fill memory.
+    for rows in torch.arange(len(features)).split(64):
+        x = features[rows].reshape(-1, width)
+        x = torch.nn.functional.pad(x, (0, 1), value=float(has_offset))
+        weighted = x * weight[rows].reshape(-1, 1)
+        gram += (weighted.T @ x).double()
+        product += (weighted.T @ targets[rows].reshape(len(x), -1)).double()
+    ridge = RIDGE * float(gram.diagonal()[:width].mean()) + 1e-9
+    solution = torch.linalg.solve(gram + ridge * torch.eye(width + 1, dtype=torch.float64), product)
+    return solution[:width].float(), solution[width].float()

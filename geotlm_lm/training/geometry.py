@@ -6,28 +6,26 @@ of displacement and contact supervise them as well, so that the drawn shear fiel
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import torch
 import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import generator_for, seed_for
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.core.numbers import generator_for, seed_for
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
-from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
 from geotlm_lm.training.config import DGRMode
-from geotlm_lm.training.dense_targets import DenseHeads
-from geotlm_lm.training.motion_loss import motion_loss
+from geotlm_lm.training.fit import fit_epochs
+from geotlm_lm.training.pretraining import DenseHeads
+from geotlm_lm.training.truth import counts_motion, motion_loss
 
 HEAD_RATE, DGR_RATE, WEIGHT_DECAY, BATCH = 1e-3, 3e-4, 0.01, 32
 """Paper, implementation details."""
@@ -62,6 +60,24 @@ class TokenSet:
     motions: Tensor
     is_readable: Tensor
     counts_motion: Tensor
+
+    @classmethod
+    def of(
+        cls,
+        tokens: Tokens,
+        labels: Sequence[MotionLabel],
+        shear_change: Tensor | None = None,
+        contact: Tensor | None = None,
+    ) -> TokenSet:
+        """Lay the truth of labels beside the tokens of their clips."""
+        return cls(
+            tokens=tokens,
+            shear_change=shear_change,
+            contact=contact,
+            motions=torch.tensor([ALL_MOTIONS.index(label.motion) for label in labels]),
+            is_readable=torch.tensor([label.is_readable for label in labels]),
+            counts_motion=torch.tensor([counts_motion(label) for label in labels]),
+        )
 
 
 @dataclass(eq=False)
@@ -104,49 +120,52 @@ def train_geometry(
             for `paper`.
         epochs: Epochs over the training split.
         seed: Root seed.
-        path: Checkpoint, written after every epoch.
+        path: Checkpoint.
         device: Where to train.
-        progress: Told how far it is.
+        progress: Called after each epoch.
 
     Raises:
         UsageError: If the checkpoint was trained on other tokens.
     """
-    model = _fresh_model(train.tokens, seed)
-    if mode == "grounded":
-        _start_from(read_outs, model)
-    dgr, probe = model.dgr.to(device), model.probe.to(device)
-    optimiser = torch.optim.AdamW(
-        [
-            {"params": list(dgr.parameters()), "lr": DGR_RATE},
-            {"params": list(probe.parameters()), "lr": HEAD_RATE},
-        ],
-        weight_decay=WEIGHT_DECAY,
-    )
-    state = _restored(path, model, optimiser)
-    for epoch in range(state["epoch"], epochs):
-        _one_epoch(model, train, optimiser, mode, generator_for(seed, "dgr", mode, epoch))
-        accuracy = readable_accuracy(model, validation)
-        weights = {"dgr": dgr.state_dict(), "probe": probe.state_dict()}
-        if accuracy > state["best_accuracy"]:
-            state["best"] = {part: _copied(values) for part, values in weights.items()}
-            state["best_accuracy"] = accuracy
-        state |= weights | {"epoch": epoch + 1, "optimiser": optimiser.state_dict()}
-        save_checkpoint(path, state)
-        progress(f"train DGR ({mode}), validation {accuracy:.3f}", epoch + 1, epochs)
-    dgr.cpu().load_state_dict(state["best"]["dgr"])
-    probe.cpu().load_state_dict(state["best"]["probe"])
-    model.validation_accuracy = state["best_accuracy"]
-    return model
-
-
-def _fresh_model(tokens: Tokens, seed: int) -> GeometryModel:
-    width = tokens.global_token.shape[-1]
+    width, count = train.tokens.global_token.shape[-1], len(train.tokens)
+    dgr, probe = DGR(train.tokens.patches.shape[-1], width), LinearProbe(width, ALL_MOTIONS)
     generator = torch.Generator().manual_seed(seed_for(seed, "weights", "dgr"))
-    dgr, probe = DGR(tokens.patches.shape[-1], width), LinearProbe(width, ALL_MOTIONS)
     for layer in (dgr.to_shear, dgr.to_mask, dgr.to_feature, probe.head):
         nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
         nn.init.zeros_(layer.bias)
-    return GeometryModel(*fit_standardisers(tokens), dgr, probe, -1.0)
+    model = GeometryModel(*fit_standardisers(train.tokens), dgr, probe, -1.0)
+    if mode == "grounded":
+        _start_from(read_outs, model)
+    dgr.to(device)
+    probe.to(device)
+    groups = [
+        {"params": list(dgr.parameters()), "lr": DGR_RATE},
+        {"params": list(probe.parameters()), "lr": HEAD_RATE},
+    ]
+
+    def loss(rows: Tensor) -> Tensor:
+        logits, geometry = _forward(model, train, rows)
+        readable = _readable_loss(logits, train, rows)
+        return readable + (grounding_loss(geometry, train, rows) if mode == "grounded" else 0)
+
+    best = fit_epochs(
+        nn.ModuleDict({"dgr": dgr, "probe": probe}),
+        torch.optim.AdamW(groups, weight_decay=WEIGHT_DECAY),
+        loss,
+        lambda: readable_accuracy(model, validation),
+        count=count,
+        batch=BATCH,
+        epochs=epochs,
+        order=lambda epoch: generator_for(seed, "dgr", mode, epoch).permutation(count),
+        name=f"train DGR ({mode})",
+        path=path,
+        about={"token_mean": model.global_standardiser.mean.tolist()},
+        progress=progress,
+    )
+    dgr.cpu()
+    probe.cpu()
+    model.validation_accuracy = best.score
+    return model
 
 
 @torch.no_grad()
@@ -159,28 +178,6 @@ def _start_from(read_outs: DenseHeads, model: GeometryModel) -> None:
     model.dgr.to_shear.bias.copy_(offset[:2] + shift @ mean)
     model.dgr.to_mask.weight.copy_(contact * scale)
     model.dgr.to_mask.bias.copy_(offset[2:3] + contact @ mean)
-
-
-def _restored(path: Path, model: GeometryModel, optimiser: torch.optim.Optimizer) -> dict[str, Any]:
-    """Return the state of an interrupted training and restore it, or a state before any epoch.
-
-    Raises:
-        UsageError: If the checkpoint was trained on other tokens.
-    """
-    token_mean = model.global_standardiser.mean
-    state = load_checkpoint(path)
-    if state is None:
-        return {"epoch": 0, "best": None, "best_accuracy": -1.0, "token_mean": token_mean}
-    found = state.get("token_mean")
-    if found is None or not torch.equal(found, token_mean):
-        raise UsageError(
-            f"{path}: was trained on the tokens of another backbone or other clips; delete it to "
-            f"start over."
-        )
-    model.dgr.load_state_dict(state["dgr"])
-    model.probe.load_state_dict(state["probe"])
-    optimiser.load_state_dict(state["optimiser"])
-    return state
 
 
 def fit_standardisers(tokens: Tokens) -> tuple[Standardiser, Standardiser]:
@@ -202,21 +199,17 @@ def train_global_probe(
     generator = torch.Generator().manual_seed(seed_for(seed, "weights", "global_probe"))
     nn.init.normal_(probe.head.weight, 0, tokens.shape[-1] ** -0.5, generator=generator)
     nn.init.zeros_(probe.head.bias)
-    optimiser = torch.optim.AdamW(probe.parameters(), HEAD_RATE, weight_decay=WEIGHT_DECAY)
     held_out = standardiser.apply(validation.tokens.global_token.float())
-    best, best_accuracy = None, -1.0
-    for epoch in range(epochs):
-        order = generator_for(seed, "global_probe", epoch).permutation(len(tokens))
-        for rows in torch.from_numpy(order).split(BATCH):
-            loss = _readable_loss(probe(tokens[rows]), train, rows)
-            optimiser.zero_grad(set_to_none=True)
-            loss.backward()
-            optimiser.step()
-        with torch.no_grad():
-            accuracy = _task_accuracy(probe(held_out), validation)
-        if accuracy > best_accuracy:
-            best, best_accuracy = _copied(probe.state_dict()), accuracy
-    probe.load_state_dict(best)
+    fit_epochs(
+        probe,
+        torch.optim.AdamW(probe.parameters(), HEAD_RATE, weight_decay=WEIGHT_DECAY),
+        lambda rows: _readable_loss(probe(tokens[rows]), train, rows),
+        torch.no_grad()(lambda: _task_accuracy(probe(held_out), validation)),
+        count=len(tokens),
+        batch=BATCH,
+        epochs=epochs,
+        order=lambda epoch: generator_for(seed, "global_probe", epoch).permutation(len(tokens)),
+    )
     return probe
 
 
@@ -236,20 +229,9 @@ def _task_accuracy(logits: Tensor, data: TokenSet) -> float:
         columns = torch.tensor([ALL_MOTIONS.index(motion) for motion in task])
         rows = data.is_readable & torch.isin(data.motions, columns)
         if rows.any():
-            found = columns[logits[rows][:, columns].argmax(dim=-1)]
-            accuracies.append(float((found == data.motions[rows]).float().mean()))
+            chosen = columns[logits[rows][:, columns].argmax(dim=-1)]
+            accuracies.append(float((chosen == data.motions[rows]).float().mean()))
     return sum(accuracies) / max(len(accuracies), 1)
-
-
-def _one_epoch(model, train: TokenSet, optimiser, mode: DGRMode, rng) -> None:
-    for rows in torch.from_numpy(rng.permutation(len(train.tokens))).split(BATCH):
-        logits, geometry = _forward(model, train, rows)
-        loss = _readable_loss(logits, train, rows)
-        if mode == "grounded":
-            loss = loss + grounding_loss(geometry, train, rows)
-        optimiser.zero_grad(set_to_none=True)
-        loss.backward()
-        optimiser.step()
 
 
 def _readable_loss(logits: Tensor, data: TokenSet, rows: Tensor) -> Tensor:
@@ -269,16 +251,12 @@ def _forward(model: GeometryModel, data: TokenSet, rows) -> tuple[Tensor, Geomet
 
 def grounding_loss(geometry: Geometry, data: TokenSet, rows) -> Tensor:
     """Hold shear change to the true displacement change, and the mask to the true contact."""
-    told_px = geometry.shear_change * FLOW_SCALE_PX
+    stated_px = geometry.shear_change * FLOW_SCALE_PX
     contact, change, counts_motion = (
-        values[rows].to(told_px.device).float()
+        values[rows].to(stated_px.device).float()
         for values in (data.contact, data.shear_change, data.counts_motion)
     )
     weight = contact * counts_motion[:, None, None]
-    shear_loss = motion_loss(told_px, change, weight)
+    shear_loss = motion_loss(stated_px, change, weight)
     mask = geometry.mask.clamp(1e-6, 1 - 1e-6)
     return shear_loss + F.binary_cross_entropy(mask, contact)
-
-
-def _copied(state: dict[str, Tensor]) -> dict[str, Tensor]:
-    return {name: value.clone() for name, value in state.items()}

@@ -1,43 +1,49 @@
 """Train DGR, probe and language model on a released encoder; its own weights stay as they are.
 
 The heads learn from simulated clips alone. DGR is trained the paper's way: no released encoder was
-pretrained towards a displacement that its shear could start from.
+pretrained towards a displacement that its shear could start from. Tokens are large (600 kB a clip
+at 2 x 14 x 14 x 768), so that they lie in a file that is mapped; a run that was killed continues
+behind the last clip it had finished.
 """
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import torch
+from numpy.lib.format import open_memmap
+from numpy.typing import NDArray
 
+from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import Bundle, Calibration, embedded_reader, reading_of
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.data.templates import load_templates
-from geotlm_lm.model import GeoTLM
-from geotlm_lm.motion.measured import Measured, measured
-from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.series import SERIES_VERSION
-from geotlm_lm.training.config import HeadsPreset, heads_preset_named
-from geotlm_lm.training.encoded_clips import EncodedClips, encode_examples
-from geotlm_lm.training.examples import DAMAGED_SHARE, EXAMPLES_VERSION, VARIED, ExampleSet
-from geotlm_lm.training.geometry import (
-    ALL_MOTIONS,
-    TokenSet,
-    train_geometry,
-    train_global_probe,
+from geotlm_lm.checkpoint import Bundle, embedded_reader
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.files import append_text, reserve, write_text_atomically
+from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.training.config import (
+    HEADS_PRESETS,
+    about_examples,
+    claim_folder,
+    example_sets,
+    preset_named,
 )
-from geotlm_lm.training.motion import train_motion, widen_spans
-from geotlm_lm.training.motion_loss import counts_motion
-from geotlm_lm.training.run_folder import VALIDATION_EVERY, claim_folder
-from geotlm_lm.training.scoring import ClipSet
-from geotlm_lm.training.train import calibrated, train_speaker
+from geotlm_lm.training.examples import EXAMPLE, ExampleSet
+from geotlm_lm.training.geometry import TokenSet
+from geotlm_lm.training.recording_forms import RecordedForm
+from geotlm_lm.training.train import perceive, train_beliefs, train_perception, train_speaker
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.released import ReleasedEncoder
 
-PERCEIVE_BATCH = 64
+BATCH = 8
+"""Clips encoded and written at a time."""
 
 
 def train_heads(
@@ -45,121 +51,143 @@ def train_heads(
 ) -> Bundle:
     """Return a model that sees through `encoder`; the heads' checkpoints are kept in `out`.
 
-    Args:
-        encoder: The encoder.
-        preset: Name of a preset for heads.
-        out: Run folder; a run of the same encoder, preset and seed in it is continued.
-        seed: Root seed.
-        progress: Told how far it is.
+    A run of the same encoder, preset and seed in it is continued.
 
     Raises:
         UsageError: If the preset is unknown or the folder holds another run.
     """
-    settings = heads_preset_named(preset)
-    about = _claim(out, encoder, settings, seed)
-    heads, validation = (
-        encode_examples(encoder, out / "tokens", one, seed=seed, progress=progress)
-        for one in _sets(settings)
-    )
-    model = _train_perception(encoder, heads, validation, settings, seed, out, progress)
-    spoken_of = _perceived(model, heads)
-    perceived = _perceived(model, validation)
-    motion = train_motion(spoken_of.measured, spoken_of.labels, seed=seed, progress=progress)
-    widen_spans(motion, perceived.measured, perceived.labels)
-    readings = reading_of(spoken_of.fused_tokens, motion(spoken_of.measured))
-    speaker = train_speaker(readings, spoken_of.labels, settings, seed, out, progress)
-    grammar = load_templates().grammar()
-    bundle = Bundle(model, motion, speaker, grammar, Calibration(), about, embedded_reader())
-    bundle.calibration = calibrated(bundle, perceived, seed)
-    return bundle
-
-
-def _sets(settings: HeadsPreset) -> tuple[ExampleSet, ExampleSet]:
-    """Return the clips to learn from and those to validate on, of other objects."""
-    kept = TRAINING_OBJECTS[::VALIDATION_EVERY]
-    learned = tuple(name for name in TRAINING_OBJECTS if name not in kept)
-    return (
-        ExampleSet("heads", settings.head_clips, learned),
-        ExampleSet("validation", settings.validation_clips, kept),
-    )
-
-
-def _claim(out: Path, encoder: ReleasedEncoder, settings: HeadsPreset, seed: int) -> dict:
-    """Mark `out` as the folder of this run and say what it is, or refuse a folder of another."""
-    about = encoder.describe() | {"preset": settings.to_dict(), "seed": seed}
-    about |= {"series": SERIES_VERSION, "varied": VARIED, "worn": DAMAGED_SHARE}
-    about |= {"examples": EXAMPLES_VERSION}
+    settings = preset_named(preset, HEADS_PRESETS)
+    about = encoder.describe() | about_examples(settings, seed)
     claim_folder(
         out,
         about,
         run="another encoder, preset, seed or version of this program",
         advice="give an empty folder by --run-folder",
     )
-    return about
-
-
-def _train_perception(
-    encoder: ReleasedEncoder,
-    heads: EncodedClips,
-    validation: EncodedClips,
-    settings: HeadsPreset,
-    seed: int,
-    out: Path,
-    progress: Progress,
-) -> GeoTLM:
-    train_set, validation_set = _token_set(heads), _token_set(validation)
+    sets = example_sets(settings)
+    learned, validation = (
+        encode_examples(encoder, out / "tokens", sets[name], seed=seed, progress=progress)
+        for name in ("heads", "validation")
+    )
+    token_sets = (TokenSet.of(clips.tokens, clips.labels) for clips in (learned, validation))
+    shared = {"seed": seed, "progress": progress}
     epochs = settings.geometry_epochs
-    trained = train_geometry(
-        train_set,
-        validation_set,
-        mode="paper",
-        read_outs=None,
-        epochs=epochs,
-        seed=seed,
-        path=out / "dgr_paper.pt",
-        progress=progress,
-    )
-    global_probe = train_global_probe(
-        train_set, validation_set, trained.global_standardiser, epochs=epochs, seed=seed
-    )
-    return GeoTLM(
-        backbone=encoder,
-        global_standardiser=trained.global_standardiser,
-        patch_standardiser=trained.patch_standardiser,
-        dgr=trained.dgr.eval().requires_grad_(False),
-        probe=trained.probe.eval().requires_grad_(False),
-        global_probe=global_probe.eval().requires_grad_(False),
+    trained = train_perception(encoder, *token_sets, epochs, read_outs=None, out=out, **shared)
+    clips = (perceive(trained[0], part, progress, part.tokens_of) for part in (learned, validation))
+    seen = train_beliefs(*trained, *clips, **shared)
+    speaker = train_speaker(*seen.readings(), settings, seed, out, progress)
+    return seen.bundle(speaker, embedded_reader(), about, seed)
+
+
+@dataclass(frozen=True, eq=False)
+class EncodedClips:
+    """Clips as an encoder sees them.
+
+    Args:
+        tokens: Global tokens in float32, patch tokens in float16, on disk.
+        inputs: What our own stem measures in each clip, float16, on disk, (n, 2, 14, 14, dim): how
+            an imprint moved is measured with it, whatever the encoder.
+        motions: The rigid motions it measures, likewise, (n, *MOTIONS_SHAPE).
+        labels: The truth of each clip.
+        objects: Name of the touched object of each clip.
+    """
+
+    tokens: Tokens
+    inputs: NDArray[np.float16]
+    motions: NDArray[np.float16]
+    labels: tuple[MotionLabel, ...]
+    objects: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.labels)
+
+    def tokens_of(self, rows: slice) -> Tokens:
+        """Return the tokens of some clips in float32."""
+        return Tokens(self.tokens.global_token[rows], self.tokens.patches[rows].float())
+
+
+def encode_examples(
+    encoder: ReleasedEncoder,
+    folder: Path,
+    wanted: ExampleSet,
+    *,
+    seed: int,
+    progress: Progress = silent,
+) -> EncodedClips:
+    """Return the clips of `wanted`, simulating and encoding those that are not yet in `folder`.
+
+    The folder holds tokens of this encoder alone; seed and name decide every clip.
+
+    Raises:
+        UsageError: If tokens are too large for half precision.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    about, path = folder / f"{wanted.stage}.jsonl", folder / f"{wanted.stage}.npy"
+    lines = _finished(about)
+    stored = _stored(path, encoder, wanted.count, is_new=not lines)
+    for batch in _batches(wanted, seed, len(lines)):
+        rows = slice(len(lines), len(lines) + len(batch))
+        tokens = encoder.encode([recorded.clip for _, recorded in batch])
+        patches = tokens.patches.half()
+        if not bool(torch.isfinite(patches).all() and torch.isfinite(tokens.global_token).all()):
+            raise UsageError(
+                f"{encoder.row.title}: tokens up to {float(tokens.patches.abs().max()):.3g} were "
+                f"found, expected below 65504; the file's weights are not those of a trained "
+                f"encoder."
+            )
+        looks = [measure_clip(recorded.clip) for _, recorded in batch]
+        stored["global"][rows] = tokens.global_token.numpy()
+        stored["patches"][rows] = patches.numpy()
+        stored["inputs"][rows] = np.stack([look.inputs for look in looks])
+        stored["motions"][rows] = np.stack([look.motions.numbers() for look in looks])
+        stored.flush()
+        # The label comes last: a clip is finished once it is there.
+        new = [json.dumps([name, recorded.label.to_dict()]) for name, recorded in batch]
+        append_text(about, "".join(f"{line}\n" for line in new))
+        lines += new
+        progress(f"encode {wanted.stage}", len(lines), wanted.count)
+    # Copy-on-write, so that torch need not warn of memory it may not write.
+    stored = np.load(path, mmap_mode="c")
+    pairs = [json.loads(line) for line in lines[: wanted.count]]
+    return EncodedClips(
+        tokens=Tokens(torch.from_numpy(stored["global"]), torch.from_numpy(stored["patches"])),
+        inputs=stored["inputs"],
+        motions=stored["motions"],
+        labels=tuple(MotionLabel.from_dict(label) for _, label in pairs),
+        objects=tuple(name for name, _ in pairs),
     )
 
 
-def _token_set(clips: EncodedClips) -> TokenSet:
-    return TokenSet(
-        tokens=clips.tokens,
-        shear_change=None,
-        contact=None,
-        motions=torch.tensor([ALL_MOTIONS.index(label.motion) for label in clips.labels]),
-        is_readable=torch.tensor([label.is_readable for label in clips.labels]),
-        counts_motion=torch.tensor([counts_motion(label) for label in clips.labels]),
-    )
+def _finished(about: Path) -> list[str]:
+    """Return the lines of finished clips; half a line that a kill left behind is cut off."""
+    text = about.read_text() if about.exists() else ""
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
+        write_text_atomically(about, whole)
+    return whole.splitlines()
 
 
-def _perceived(model: GeoTLM, clips: EncodedClips) -> ClipSet:
-    """Return tokens, contact share and what is measured of every clip."""
-    fused, plain, contact, found = [], [], [], []
-    for start in range(0, len(clips), PERCEIVE_BATCH):
-        rows = slice(start, start + PERCEIVE_BATCH)
-        tokens = Tokens(clips.tokens.global_token[rows], clips.tokens.patches[rows].float())
-        perception = model.fuse(tokens)
-        fused.append(perception.fused_token)
-        plain.append(perception.global_token)
-        contact.append(perception.geometry.region_mass[:, -1])
-        known = clips.inputs[rows], clips.motions[rows]
-        found.append(measured(*known, perception.geometry, perception.fused_token))
-    return ClipSet(
-        fused_tokens=torch.cat(fused),
-        global_tokens=torch.cat(plain),
-        contact_share=torch.cat(contact).numpy(),
-        measured=Measured.joined(found),
-        labels=clips.labels,
-        objects=clips.objects,
-    )
+def _batches(wanted: ExampleSet, seed: int, first: int) -> Iterator[list[tuple[str, RecordedForm]]]:
+    stage_seed = int(generator_for(seed, "encoded", wanted.stage).integers(2**62))
+    clips = wanted.simulated(stage_seed, first, max(wanted.count - first, 0))
+    batch = []
+    for index, simulated in enumerate(clips, start=first):
+        rng = generator_for(stage_seed, "form", index)
+        batch.append((simulated.object_name, wanted.recorded(simulated, rng)))
+        if len(batch) == BATCH or index == wanted.count - 1:
+            yield batch
+            batch = []
+
+
+def _stored(path: Path, encoder: ReleasedEncoder, count: int, *, is_new: bool) -> np.memmap:
+    """Return the mapped records of clips; a mapped part without room would end the process."""
+    if not is_new:
+        return open_memmap(path, "r+")
+    fields = [
+        ("global", np.float32, (encoder.width,)),
+        ("patches", np.float16, encoder.patch_shape),
+        *((name, EXAMPLE[name].base, EXAMPLE[name].shape) for name in ("inputs", "motions")),
+    ]
+    stored = open_memmap(path, "w+", np.dtype(fields, align=True), (count,))
+    reserve(path)
+    return stored

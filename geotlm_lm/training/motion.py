@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -11,12 +13,13 @@ import torch.nn.functional as F
 from torch import Tensor
 
 from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import Beliefs, MotionNetwork
-from geotlm_lm.training.component_truth import ClipTruth, component_truth
+from geotlm_lm.training.fit import fit, learn
+from geotlm_lm.training.truth import ClipTruth, component_truth
 
 EPOCHS = 24
 BATCH = 256
@@ -26,42 +29,52 @@ WEIGHT_DECAY = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Truths:
-    """What is true of n clips, NaN where nothing is asked.
+    """What is true of n clips, NaN where nothing is asked."""
 
-    Args:
-        turn_rad: Turn, clockwise positive, (n,).
-        slide_px: Travel to the right and down, (n, 2).
-        inward_mm: Approach, (n,).
-        counts: Whether turn, slide and press count, (n, 3).
-        readable: Whether they can be read, (n, 3).
-        contact: Whether anything touches, (n,).
-    """
-
-    turn_rad: Tensor
-    slide_px: Tensor
-    inward_mm: Tensor
-    counts: Tensor
-    readable: Tensor
-    contact: Tensor
+    turn_rad: Tensor  # (n,), clockwise positive
+    slide_px: Tensor  # (n, 2), to the right and down
+    inward_mm: Tensor  # (n,)
+    counts: Tensor  # (n, 3), whether turn, slide and press count
+    readable: Tensor  # (n, 3), whether they can be read
+    contact: Tensor  # (n,), whether anything touches
 
     @classmethod
     def of(cls, labels: Sequence[MotionLabel]) -> Truths:
         """Lay out what labels tell."""
         truths = [component_truth(label) for label in labels]
-        asked = np.array([_asked(one) for one in truths], np.float32)
-        twists = [one.twist for one in truths]
-        turn = np.radians([one.turn_deg for one in twists]).astype(np.float32) * asked[:, 0]
-        slide = np.array([(one.right_px, one.down_px) for one in twists], np.float32)
-        inward = np.array([one.inward_mm for one in twists], np.float32) * asked[:, 2]
-        counts = [[_number(one.counts[component]) for component in COMPONENTS] for one in truths]
-        readable = [[_readable(one, component) for component in COMPONENTS] for one in truths]
+        twists = [truth.twist for truth in truths]
+        # Amounts are asked where they can be read or are known not to count.
+        asked = _numbers(
+            [
+                [
+                    truth.is_touched
+                    and (truth.is_readable[part] or truth.counts[part] is False)
+                    or None
+                    for part in COMPONENTS
+                ]
+                for truth in truths
+            ]
+        )
+        # Of what moves enough to be asked after, whether it can be read.
+        readable = [
+            [
+                truth.is_readable[part]
+                if truth.is_touched and truth.counts[part] is not False
+                else None
+                for part in COMPONENTS
+            ]
+            for truth in truths
+        ]
+        turn = np.radians([twist.turn_deg for twist in twists]).astype(np.float32)
+        slide = np.array([(twist.right_px, twist.down_px) for twist in twists], np.float32)
+        inward = np.array([twist.inward_mm for twist in twists], np.float32)
         return cls(
-            torch.from_numpy(turn),
-            torch.from_numpy(slide * asked[:, 1:2]),
-            torch.from_numpy(inward),
-            torch.tensor(counts),
-            torch.tensor(readable),
-            torch.tensor([float(one.is_touched) for one in truths]),
+            torch.from_numpy(turn) * asked[:, 0],
+            torch.from_numpy(slide) * asked[:, 1:2],
+            torch.from_numpy(inward) * asked[:, 2],
+            _numbers([[truth.counts[part] for part in COMPONENTS] for truth in truths]),
+            _numbers(readable),
+            torch.tensor([float(truth.is_touched) for truth in truths]),
         )
 
     def only(self, rows: Tensor) -> Truths:
@@ -73,24 +86,9 @@ class Truths:
         return Truths(*(value.to(device) for value in vars(self).values()))
 
 
-def _asked(truth: ClipTruth) -> list[float]:
-    """Return 1 where an amount is asked for, NaN elsewhere."""
-    is_asked = [
-        truth.is_touched and (truth.is_readable[one] or truth.counts[one] is False)
-        for one in COMPONENTS
-    ]
-    return [1.0 if one else float("nan") for one in is_asked]
-
-
-def _number(is_so: bool | None) -> float:
-    return float("nan") if is_so is None else float(is_so)
-
-
-def _readable(truth: ClipTruth, component: Component) -> float:
-    """Return whether a component that moves enough to be asked after can be read."""
-    if not truth.is_touched or truth.counts[component] is False:
-        return float("nan")
-    return float(truth.is_readable[component])
+def _numbers(rows: Sequence[Sequence[bool | None]]) -> Tensor:
+    """Return booleans as numbers, NaN for None."""
+    return torch.tensor([[math.nan if x is None else float(x) for x in row] for row in rows])
 
 
 def train_motion(
@@ -104,13 +102,6 @@ def train_motion(
     """Return a network trained on what is measured of labelled clips.
 
     It takes two minutes for 48,000 clips and keeps no checkpoint.
-
-    Args:
-        measured: Of n clips.
-        labels: The truth of each.
-        seed: Of weights and order.
-        device: Where to train.
-        progress: Told how far it is.
     """
     truths, measured = Truths.of(labels).to(device), measured.to(device)
     with torch.random.fork_rng(devices=[]):
@@ -120,40 +111,43 @@ def train_motion(
         network.mean.copy_(measured.hints.mean(dim=0))
         network.scale.copy_(measured.hints.std(dim=0, correction=0).clamp(min=1e-3))
         optimiser = torch.optim.AdamW(network.parameters(), weight_decay=WEIGHT_DECAY)
-        steps = EPOCHS * -(-len(labels) // BATCH)
+        per_epoch = -(-len(labels) // BATCH)
+        steps = EPOCHS * per_epoch
         schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, PEAK_RATE, total_steps=steps)
-        for epoch in range(EPOCHS):
-            for rows in torch.randperm(len(labels)).split(BATCH):
-                loss = motion_network_loss(network(measured.only(rows)), truths.only(rows))
-                optimiser.zero_grad()
-                loss.backward()
-                torch.nn.utils.clip_grad_norm_(network.parameters(), 1.0)
-                optimiser.step()
-                schedule.step()
-            progress("train motion", epoch + 1, EPOCHS)
+        batches: list[Tensor] = []
+
+        def step(number: int) -> str | None:
+            if not batches:
+                batches.extend(torch.randperm(len(labels)).split(BATCH))
+            rows = batches.pop(0)
+            loss = motion_network_loss(network(measured.only(rows)), truths.only(rows))
+            learn(loss, optimiser, schedule, most_norm=1.0)
+            return None if batches else "train motion"
+
+        fit(step, steps, {}, steps_per_report=per_epoch, progress=progress)
     return network.cpu().eval().requires_grad_(False)
 
 
-def motion_network_loss(told: Beliefs, true: Truths) -> Tensor:
+def motion_network_loss(beliefs: Beliefs, true: Truths) -> Tensor:
     """Return the mean negative log-likelihood of what is asked, a Laplace density of each path."""
-    path = torch.cat([(true.turn_rad * told.radius_px)[:, None], true.slide_px], dim=1)
+    path = torch.cat([(true.turn_rad * beliefs.radius_px)[:, None], true.slide_px], dim=1)
     wanted = torch.cat([path, true.inward_mm[:, None]], dim=1)
-    said = torch.cat([told.path, told.inward_mm[:, None]], dim=1)
+    stated = torch.cat([beliefs.path, beliefs.inward_mm[:, None]], dim=1)
     # A Laplace density's scale is its deviation over the root of two.
-    scale = told.deviation / 2**0.5
-    errors = (said - wanted.nan_to_num()).abs() / scale + scale.log()
+    scale = beliefs.deviation / 2**0.5
+    errors = (stated - wanted.nan_to_num()).abs() / scale + scale.log()
     spread = _mean(errors, ~wanted.isnan())
-    counted = _cross_entropy(told.counts, true.counts)
-    readable = _cross_entropy(told.readable, true.readable)
-    contact = _cross_entropy(told.contact, true.contact)
+    counted = _cross_entropy(beliefs.counts, true.counts)
+    readable = _cross_entropy(beliefs.readable, true.readable)
+    contact = _cross_entropy(beliefs.contact, true.contact)
     presses = (true.counts[:, 2] == 1) & ~true.inward_mm.isnan()
-    inward = _cross_entropy(told.press_in, _where(presses, true.inward_mm > 0))
+    inward = _cross_entropy(beliefs.press_in, _where(presses, true.inward_mm > 0))
     turns = (true.counts[:, 0] == 1) & ~true.turn_rad.isnan()
-    sense = _cross_entropy(told.sense(), _where(turns, true.turn_rad > 0))
+    sense = _cross_entropy(beliefs.sense(), _where(turns, true.turn_rad > 0))
     slides = (true.counts[:, 1] == 1) & ~true.slide_px[:, 0].isnan()
     x, y = true.slide_px.nan_to_num().unbind(dim=1)
     quarter = torch.remainder((torch.atan2(y, x) / (torch.pi / 2)).round().long(), 4)
-    ways = _mean(F.nll_loss(told.quarters().log(), quarter, reduction="none"), slides)
+    ways = _mean(F.nll_loss(beliefs.quarters().log(), quarter, reduction="none"), slides)
     return spread + 2 * counted + 0.5 * readable + contact + inward + sense + 0.5 * ways
 
 
@@ -175,88 +169,70 @@ def _mean(losses: Tensor, is_asked: Tensor) -> Tensor:
 SPAN_DEVIATIONS = 1.645
 """Half of a span of nine in ten, in deviations."""
 
+FEWEST_WIDENED = 30
+"""Amounts below which a tenth of them is chance."""
 
-@dataclass(frozen=True)
-class AmountTold:
-    """How far a component that counts and can be read is told to go, and how far it went.
+UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
 
-    Args:
-        row: Of the clip.
-        component: Which.
-        said: Degrees, pixels or mm, not negative.
-        true: Likewise.
-        deviation: Of what is said.
-        is_way_right: Whether its way is told rightly.
+
+class Amount(NamedTuple):
+    """How far a readable component that counts is believed to go, and how far it went.
+
+    Amounts are degrees, pixels or mm, not negative, with the deviation of the believed one.
     """
 
     row: int
     component: Component
-    said: float
+    believed: float
     true: float
     deviation: float
     is_way_right: bool
 
     @property
-    def is_right(self) -> bool:
-        """Whether the amount is within tolerance."""
-        unit = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
-        return within_tolerance(self.said, self.true, unit[self.component])
-
-    @property
     def deviations_off(self) -> float:
         """How far off the amount is, in deviations."""
-        return abs(self.said - self.true) / self.deviation
+        return abs(self.believed - self.true) / self.deviation
 
 
-def amounts_told(told: Beliefs, truths: Sequence[ClipTruth]) -> Iterator[AmountTold]:
+def believed_amounts(beliefs: Beliefs, truths: Sequence[ClipTruth]) -> Iterator[Amount]:
     """Yield the readable components that count."""
-    degrees = (told.path[:, 0] / told.radius_px).rad2deg()
+    degrees = (beliefs.path[:, 0] / beliefs.radius_px).rad2deg()
     for row, truth in enumerate(truths):
-        true = truth.twist
+        true, deviation = truth.twist, beliefs.deviation[row]
         for component in COMPONENTS:
             if not (truth.counts[component] and truth.is_readable[component]):
                 continue
             if component is Component.TURN:
-                said = float(degrees[row])
-                off = float((told.deviation[row, 0] / told.radius_px[row]).rad2deg())
-                found = abs(said), abs(true.turn_deg), off, (said > 0) == (true.turn_deg > 0)
+                turn = float(degrees[row])
+                off = float((deviation[0] / beliefs.radius_px[row]).rad2deg())
+                amount = abs(turn), abs(true.turn_deg), off, (turn > 0) == (true.turn_deg > 0)
             elif component is Component.SLIDE:
-                x, y = told.path[row, 1:].tolist()
+                x, y = beliefs.path[row, 1:].tolist()
                 along = (x * true.right_px + y * true.down_px) / max(np.hypot(x, y), 1e-9)
-                off = float(told.deviation[row, 1:3].square().mean().sqrt())
-                is_right = along >= true.slide_px * 0.5**0.5
-                found = float(np.hypot(x, y)), true.slide_px, off, bool(is_right)
+                off = float(deviation[1:3].square().mean().sqrt())
+                is_right = bool(along >= true.slide_px * 0.5**0.5)
+                amount = float(np.hypot(x, y)), true.slide_px, off, is_right
             else:
-                said, off = float(told.inward_mm[row]), float(told.deviation[row, 3])
-                is_right = (float(told.press_in[row]) > 0) == (true.inward_mm > 0)
-                found = abs(said), abs(true.inward_mm), off, is_right
-            yield AmountTold(row, component, *found)
+                is_right = (float(beliefs.press_in[row]) > 0) == (true.inward_mm > 0)
+                inward = abs(float(beliefs.inward_mm[row]))
+                amount = inward, abs(true.inward_mm), float(deviation[3]), is_right
+            yield Amount(row, component, *amount)
 
 
 @torch.inference_mode()
 def widen_spans(network: MotionNetwork, measured: Measured, labels: Sequence[MotionLabel]) -> None:
-    """Let the network's spans of nine in ten hold as many.
-
-    Args:
-        network: Trained.
-        measured: Of clips of objects that it has not seen.
-        labels: Their truth.
-    """
+    """Let the spans of nine in ten hold as many, of clips of objects the network has not seen."""
     truths = [component_truth(label) for label in labels]
-    found = list(amounts_told(network(measured), truths))
+    amounts = list(believed_amounts(network(measured), truths))
     for places, component in zip(((0,), (1, 2), (3,)), COMPONENTS, strict=True):
-        off = [one.deviations_off for one in found if one.component is component]
+        off = [amount.deviations_off for amount in amounts if amount.component is component]
         if len(off) >= FEWEST_WIDENED:
             network.widening[list(places)] *= float(np.quantile(off, 0.9)) / SPAN_DEVIATIONS
 
 
-FEWEST_WIDENED = 30
-"""Amounts below which a tenth of them is chance."""
-
-
 @torch.inference_mode()
-def motion_scores(told: Beliefs, labels: Sequence[MotionLabel]) -> dict[str, float]:
-    """Return how what is believed fares on the readable components that are not ambiguous.
+def motion_scores(beliefs: Beliefs, labels: Sequence[MotionLabel]) -> dict[str, float]:
+    """Return how beliefs fare on the readable components that are not ambiguous.
 
     Shares: of senses of turns and ways of slides that are right, of components told rightly to
     count or not, of clips that turn and slide of which both are right, of amounts within
@@ -268,20 +244,20 @@ def motion_scores(told: Beliefs, labels: Sequence[MotionLabel]) -> dict[str, flo
         for place, component in enumerate(COMPONENTS):
             wanted = truth.counts[component]
             if wanted is not None and (truth.is_touched or component is Component.TURN):
-                is_right = bool(told.counts[row, place] > 0) == wanted
+                is_right = bool(beliefs.counts[row, place] > 0) == wanted
                 hits.setdefault(f"{component} counts", []).append(is_right)
     ways: dict[int, dict[Component, bool]] = {}
-    for one in amounts_told(told, truths):
-        ways.setdefault(one.row, {})[one.component] = one.is_way_right
-        for name, is_so in (
-            ("way", one.is_way_right),
-            ("amount", one.is_right),
-            ("span", one.deviations_off <= SPAN_DEVIATIONS),
-        ):
-            hits.setdefault(f"{one.component} {name}", []).append(is_so)
+    for amount in believed_amounts(beliefs, truths):
+        component = amount.component
+        ways.setdefault(amount.row, {})[component] = amount.is_way_right
+        is_right = within_tolerance(amount.believed, amount.true, UNITS[component])
+        hits.setdefault(f"{component} way", []).append(amount.is_way_right)
+        hits.setdefault(f"{component} amount", []).append(is_right)
+        is_held = amount.deviations_off <= SPAN_DEVIATIONS
+        hits.setdefault(f"{component} span", []).append(is_held)
     both = (Component.TURN, Component.SLIDE)
     hits["both ways"] = [
-        found[both[0]] and found[both[1]] for found in ways.values() if set(both) <= set(found)
+        right[both[0]] and right[both[1]] for right in ways.values() if set(both) <= set(right)
     ]
     hits = {name: values for name, values in hits.items() if values}
     return {name: float(np.mean(values)) for name, values in sorted(hits.items())} | {

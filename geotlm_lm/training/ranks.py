@@ -22,8 +22,7 @@ from torch import Tensor, nn
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
 
-Shared = TypeVar("Shared")
-Made = TypeVar("Made")
+Value = TypeVar("Value")
 
 LONGEST_WAIT = timedelta(days=7)
 """For the first rank, which simulates alone for hours. Where one ends, torchrun ends the others."""
@@ -56,20 +55,12 @@ class Ranks:
         return self.device.partition(":")[0]
 
     def bfloat16_products(self, *, on_cpu: bool = True) -> torch.autocast:
-        """Return the context in which products are in bfloat16 where the device is fast at them.
-
-        Args:
-            on_cpu: Whether a CPU that has them may.
-        """
+        """Return the context in which products are in bfloat16 where the device is fast at them."""
         is_fast = has_bfloat16(self.kind) and (on_cpu or self.kind != "cpu")
         return torch.autocast(self.kind, torch.bfloat16, enabled=is_fast)
 
     def refuse_uneven(self, *batches: int) -> None:
-        """Refuse batches that do not divide evenly among the ranks.
-
-        Raises:
-            UsageError: If one does not.
-        """
+        """Refuse batches that do not divide evenly among the ranks, by a UsageError."""
         for batch in batches:
             if batch % self.count:
                 raise UsageError(
@@ -77,7 +68,7 @@ class Ranks:
                     f"a number that divides it."
                 )
 
-    def share(self, batch: Shared) -> Shared:
+    def share(self, batch: Value) -> Value:
         """Return this rank's part of a sequence that is the same on every rank."""
         return batch[self.rank :: self.count]
 
@@ -85,9 +76,6 @@ class Ranks:
         """Return how many are asked for on all ranks, at least one, over the number of ranks.
 
         A loss that divides by it averages over ranks to the mean of the whole batch.
-
-        Args:
-            is_asked: Whether each of this rank's is, bool.
         """
         asked = is_asked.sum()
         if self.count == 1:
@@ -103,27 +91,27 @@ class Ranks:
         """
         if self.count == 1:
             return loss
-        learned = [one for one in parameters if one.requires_grad]
-        has = [float(one.grad is not None) for one in learned]
-        parts = [torch.zeros_like(one) if one.grad is None else one.grad for one in learned]
+        learned = [weight for weight in parameters if weight.requires_grad]
+        has = [float(weight.grad is not None) for weight in learned]
+        parts = [torch.zeros_like(w) if w.grad is None else w.grad for w in learned]
         head = torch.tensor([loss, *has], device=learned[0].device)
         flat = torch.cat([head, *(part.flatten() for part in parts)])
         with _reporting_lost_ranks():
             dist.all_reduce(flat)
         flat /= self.count
-        told, *means = flat.split([len(head), *(part.numel() for part in parts)])
-        for one, mean, is_learned in zip(learned, means, told[1:].tolist(), strict=True):
-            one.grad = mean.view_as(one) if is_learned else None
-        return float(told[0])
+        head, *means = flat.split([len(head), *(part.numel() for part in parts)])
+        for weight, mean, is_learned in zip(learned, means, head[1:].tolist(), strict=True):
+            weight.grad = mean.view_as(weight) if is_learned else None
+        return float(head[0])
 
-    def from_first(self, make: Callable[[], Made]) -> Made:
+    def from_first(self, make: Callable[[], Value]) -> Value:
         """Return what `make` returns on the first rank, where alone it is called; others wait."""
         if self.count == 1:
             return make()
-        made = [make() if self.is_first else None]
+        values = [make() if self.is_first else None]
         with _reporting_lost_ranks():
-            dist.broadcast_object_list(made, src=0, device=torch.device("cpu"))
-        return made[0]
+            dist.broadcast_object_list(values, src=0, device=torch.device("cpu"))
+        return values[0]
 
 
 ALONE = Ranks()
@@ -139,12 +127,7 @@ def is_first_of_launch() -> bool:
 def joined(device: str | None = None) -> Iterator[Ranks]:
     """Join the processes that torchrun started, by gloo on CPUs and nccl on GPUs.
 
-    Args:
-        device: cpu or cuda; None for cuda where there is one.
-
-    Raises:
-        UsageError: If there is no such device's name.
-        MissingDependency: If there are too few GPUs.
+    The device is as in `device_named`.
     """
     count, local = int(os.environ.get("WORLD_SIZE", 1)), int(os.environ.get("LOCAL_RANK", 0))
     place = device_named(device, local)
@@ -163,26 +146,24 @@ def joined(device: str | None = None) -> Iterator[Ranks]:
 
 
 def device_named(name: str | None, local: int = 0) -> str:
-    """Return the torch device of this machine's process number `local`.
+    """Return the torch device of this machine's process number `local`, from 0.
 
-    Args:
-        name: cpu or cuda; None for cuda where there is one.
-        local: Number of the process on this machine, from 0; each has a GPU of its own.
+    Each has a GPU of its own; None is cuda where there is one.
 
     Raises:
         UsageError: If it is neither.
         MissingDependency: If there are too few GPUs.
     """
-    found = torch.cuda.device_count() if torch.cuda.is_available() else 0
+    gpus = torch.cuda.device_count() if torch.cuda.is_available() else 0
     if name is None:
-        name = "cuda" if found else "cpu"
+        name = "cuda" if gpus else "cpu"
     if name not in DEVICES:
         raise UsageError(f"There is no device '{name}'; choose one of {', '.join(DEVICES)}.")
     if name == "cpu":
         return name
-    if local >= found:
+    if local >= gpus:
         raise MissingDependency(
-            f"{found} GPUs were found by torch, expected at least {local + 1}; start fewer "
+            f"{gpus} GPUs were found by torch, expected at least {local + 1}; start fewer "
             f"processes, or choose --device cpu."
         )
     return f"cuda:{local}" if "LOCAL_RANK" in os.environ else "cuda"

@@ -22,16 +22,15 @@ from torch import Tensor
 from torch.nn.functional import cross_entropy, one_hot, pad
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.interrupts import uninterrupted_step
-from geotlm_lm.core.progress import Progress, silent
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
+from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.language.decoder import LanguageSize, initialise
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.reader import SIZE, QuestionDecoder, Reader
 from geotlm_lm.query.spelling import Spelling, plain_parts
-from geotlm_lm.training.checkpoint import load_checkpoint, save_checkpoint
+from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language import parameter_groups
 from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks

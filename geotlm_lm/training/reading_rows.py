@@ -17,7 +17,7 @@ import torch
 from torch import Tensor
 from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
-from geotlm_lm.core.seeding import seed_for
+from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.reader import MOST_WORDS
 from geotlm_lm.query.spelling import Spelling

@@ -1,8 +1,12 @@
-"""Draw the form of a training clip: a pair or four frames, mirrored, no idle gel, damaged."""
+"""Draw the form of a training clip: a pair or four frames, mirrored, no idle gel, damaged.
+
+Damage is strong compression, a dim or drifting camera, or a faint touch.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,8 +14,11 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.edit import MIRRORED
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, TIME_BIN_COUNT
-from geotlm_lm.core.labels import MotionLabel
-from geotlm_lm.training.image_damage import damage_clip
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.numbers import log_uniform
+from geotlm_lm.recordings.idle import estimate_background
+from geotlm_lm.recordings.pixels import drifted, faded, gained, jpeg
+from geotlm_lm.simulation.truth import READABLE_GREY
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.view import View
@@ -26,6 +33,25 @@ UNKNOWN_BACKGROUND_SHARE = 0.3
 
 MIRRORED_SHARE = 0.15
 """Share of clips flipped left to right, label and all: optics with a mirror in them."""
+
+JPEG_QUALITY = (5.0, 60.0)
+"""Below the qualities that the simulator's cameras store; drawn evenly on a log scale."""
+
+DIM_GAIN = (0.15, 0.7)
+"""Exposure relative to a well-lit gel, drawn evenly on a log scale; one clip in forty of these is
+so dark that a reader would refuse it."""
+
+DRIFT_SHARE = 0.06
+DRIFT_GREY = 6.0
+"""Most by which the last frame is brighter or darker than the first, about what a camera may drift
+before a reader refuses it: one clip in a hundred of these would be."""
+
+KINDS = ("jpeg", "dim", "drift", "faint")
+"""Damage, each as likely."""
+
+FAINT_CONTRAST = (0.08, 0.7)
+"""Contrast of a touch relative to the simulated one, drawn evenly on a log scale. From 0.04 on, no
+more touches of a twentieth of the contrast were told (34 of 60)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,16 +76,8 @@ def as_recorded(
 ) -> RecordedForm:
     """Draw a clip's form: all frames or a pair, through a mirror or not, an idle frame or none.
 
-    Args:
-        simulated: The clip and the truth about it.
-        rng: Source of the form.
-        damaged_share: Probability of damage by light or storage, as
-            `image_damage.damage_clip` draws it.
+    `damaged_share` is the probability of damage by light or storage.
     """
-    from dataclasses import replace
-
-    from geotlm_lm.recordings.idle import estimate_background
-
     order = _frame_order(rng)
     is_mirrored = rng.random() < MIRRORED_SHARE
     label = simulated.label_until(max(order))
@@ -78,8 +96,6 @@ def mirrored(simulated: SimulatedClip) -> SimulatedClip:
 
     The scene and its label stay those of the object; `MotionLabel.mirrored` flips the words.
     """
-    from dataclasses import replace
-
     clip = simulated.clip
     flipped = np.ascontiguousarray(clip.frames[:, :, ::-1])
     background = np.ascontiguousarray(clip.background[:, ::-1])
@@ -122,3 +138,35 @@ def _frame_order(rng: np.random.Generator) -> list[int]:
 def bin_means(values: NDArray) -> NDArray:
     """Return the mean of each time-bin's frames: (4, ...) to (2, ...)."""
     return values.reshape(TIME_BIN_COUNT, -1, *values.shape[1:]).mean(axis=1)
+
+
+def damage_clip(
+    clip: Clip, label: MotionLabel, change_grey: float, rng: np.random.Generator
+) -> tuple[Clip, MotionLabel]:
+    """Return a clip with one kind of damage, and what it still tells.
+
+    Only fading is counted against what can be read, not what rounding in a dim picture or
+    compression may take of a change that was near the limit before.
+
+    `change_grey` is how much the motion changes the picture, grey levels, as `Trace` has it.
+    """
+    frames, background = clip.frames, clip.background
+    kind = KINDS[rng.integers(len(KINDS))]
+    if kind == "jpeg":
+        change = partial(jpeg, log_uniform(rng, JPEG_QUALITY))
+        frames, background = np.stack([change(frame) for frame in frames]), change(background)
+    elif kind == "dim":
+        gain = log_uniform(rng, DIM_GAIN)
+        frames, background = gained(gain, frames), gained(gain, background)
+    elif kind == "drift":
+        share, grey = rng.uniform(-1, 1, 2) * (DRIFT_SHARE, DRIFT_GREY)
+        frames = drifted(grey, share, frames)
+    else:
+        contrast = log_uniform(rng, FAINT_CONTRAST)
+        frames = faded(contrast, frames, background)
+        is_seen = label.motion in (Motion.STILL, Motion.NONE)
+        is_seen |= change_grey * contrast >= READABLE_GREY
+        visible = tuple(grey * contrast for grey in label.visible_grey)
+        is_readable = label.is_readable and bool(is_seen)
+        label = replace(label, is_readable=is_readable, visible_grey=visible)
+    return replace(clip, frames=frames, background=background), label

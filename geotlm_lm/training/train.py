@@ -5,9 +5,9 @@ Every stage leaves its result in the run folder, so that an interrupted run cont
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -17,14 +17,17 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from geotlm_lm.backbone.frozen import FrozenBackbone
-from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
+from geotlm_lm.backbone.tokens import Backbone, Tokens
+from geotlm_lm.backbone.vit import ENCODE_BATCH, FrozenBackbone
+from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, reading_of, save_bundle
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.progress import Progress, silent
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.generation import Speaker
-from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.model import GeoTLM
+from geotlm_lm.motion.measured import Measured, measured
+from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.query.grammar import corpus, grammar
 from geotlm_lm.query.labelled import TUNE, Labelled, labelled
 from geotlm_lm.query.reader import Reader
@@ -33,30 +36,37 @@ from geotlm_lm.training.calibration import (
     fit_contact_threshold,
     fit_temperature,
 )
-from geotlm_lm.training.card import write_card
-from geotlm_lm.training.config import HeadsPreset, TrainingPreset, preset_named
-from geotlm_lm.training.dense_targets import DenseHeads
-from geotlm_lm.training.examples import (
-    Examples,
-    read_examples,
-    simulate_examples,
+from geotlm_lm.training.config import (
+    HeadsPreset,
+    TrainingPreset,
+    about_examples,
+    claim_folder,
+    clock,
+    example_sets,
+    preset_named,
+)
+from geotlm_lm.training.examples import Examples, read_examples, simulate_examples
+from geotlm_lm.training.geometry import (
+    TokenSet,
+    better_mode,
+    train_geometry,
+    train_global_probe,
 )
 from geotlm_lm.training.language import FELT_BATCH, LanguageTraining, train_language
-from geotlm_lm.training.motion import motion_scores
-from geotlm_lm.training.perceiving import perceive_examples
-from geotlm_lm.training.pretraining import pretrain
+from geotlm_lm.training.motion import motion_scores, train_motion, widen_spans
+from geotlm_lm.training.pretraining import DenseHeads, pretrain
 from geotlm_lm.training.ranks import ALONE, Ranks, joined
 from geotlm_lm.training.reading import ReadingTraining, train_reader
-from geotlm_lm.training.run_clock import clock
-from geotlm_lm.training.run_folder import about_examples, claim_folder, example_sets
 from geotlm_lm.training.scoring import (
     ClipSet,
     felt_likelihoods,
     felt_scores,
     score_bundle,
     true_option_likelihoods,
+    write_card,
 )
-from geotlm_lm.training.seeing import Seen, train_to_see
+
+CALIBRATION_PAIRS = 1500
 
 
 def train(
@@ -70,14 +80,14 @@ def train(
     """Train the bundle of `preset` and return its folder, `out`/bundle.
 
     Of several processes that torchrun started, all take the steps of backbone, language model and
-    reader; the first one does what is left and writes, and the others wait.
+    reader; the first one does what is left, writes and reports, and the others wait.
 
     Args:
         preset: Name of a preset.
         out: Run folder; a run of the same preset and seed in it is continued.
         seed: Root seed; on one machine, the same seed and workers give the same weights.
         workers: Processes that simulate, and threads of each process that trains.
-        progress: Told how far it is, by the first process alone.
+        progress: Called by the first process alone.
         device: cpu or cuda; None for cuda where there is one.
 
     Raises:
@@ -92,89 +102,53 @@ def train(
         batches = settings.pretraining_batch, settings.language_batch, settings.reading_batch
         ranks.refuse_uneven(*batches, FELT_BATCH)
         ranks.from_first(lambda: claim_folder(out, about_examples(settings, seed)))
+        progress = progress if ranks.is_first else silent
+        sets, folder = example_sets(settings), out / "examples"
+        shared = {"ranks": ranks, "progress": progress}
         with clock(out) if ranks.is_first else nullcontext(lambda: 0.0) as seconds:
-            run = _Run(settings, out, seed, workers, progress if ranks.is_first else silent, ranks)
-            run.train(seconds)
+            ranks.from_first(
+                lambda: simulate_examples(
+                    folder, list(sets.values()), seed=seed, workers=workers, progress=progress
+                )
+            )
+            learned = read_examples(folder, sets["heads"], sets["pretraining"])
+            first = settings.fresh_clips
+            pretrained = pretrain(
+                learned, preset=settings, seed=seed, folder=out, first=first, **shared
+            )
+            if ranks.is_first:
+                validation = read_examples(folder, sets["validation"])
+                given = settings, seed, out, ranks.device, progress
+                seen = _see(*pretrained, learned, validation, *given)
+            readings = ranks.from_first(lambda: seen.readings())
+            speaker = train_speaker(*readings, settings, seed, out, **shared)
+            reader = reader_of(settings, seed, out / "reader", workers=workers, **shared)
+            if ranks.is_first:
+                about = _provenance(settings, seed, workers, ranks)
+                about |= {"dgr_validation_accuracy": seen.accuracies}
+                save_bundle(out / "bundle", seen.bundle(speaker, reader, about, seed))
+                clips = [read_examples(folder, sets[name]) for name in ("test", "mixed")]
+                _score(out / "bundle", *clips, seed, seconds, progress)
+            ranks.from_first(lambda: None)  # the others wait
     return out / "bundle"
 
 
-@dataclass(frozen=True)
-class _Run:
-    """One process's part in a training; fields as `train` has them."""
-
-    settings: TrainingPreset
-    out: Path
-    seed: int
-    workers: int
-    progress: Progress
-    ranks: Ranks
-
-    def train(self, seconds: Callable[[], float]) -> None:
-        """Take every stage in turn; `seconds` tells how long the run has taken."""
-        self.ranks.from_first(self._simulate)
-        learned = self._examples("heads", "pretraining")
-        backbone, read_outs = pretrain(
-            learned,
-            preset=self.settings,
-            seed=self.seed,
-            folder=self.out,
-            first=self.settings.fresh_clips,
-            ranks=self.ranks,
-            progress=self.progress,
-        )
-        seen = self._see(backbone, read_outs, learned) if self.ranks.is_first else None
-        del learned
-        readings, labels = self.ranks.from_first(lambda: seen.readings())
-        told = self.settings, self.seed, self.out, self.progress, self.ranks
-        speaker = train_speaker(readings, labels, *told)
-        reader = reader_of(
-            self.settings,
-            self.seed,
-            self.out / "reader",
-            self.progress,
-            self.ranks,
-            workers=self.workers,
-        )
-        self.ranks.from_first(lambda: self._finish(seen, speaker, reader, seconds))
-
-    def _simulate(self) -> None:
-        sets = list(example_sets(self.settings).values())
-        told = {"seed": self.seed, "workers": self.workers, "progress": self.progress}
-        simulate_examples(self.out / "examples", sets, **told)
-
-    def _examples(self, *names: str) -> Examples:
-        sets = example_sets(self.settings)
-        return read_examples(self.out / "examples", *(sets[name] for name in names))
-
-    def _see(self, backbone: FrozenBackbone, read_outs: DenseHeads, learned: Examples) -> Seen:
-        validation = self._examples("validation")
-        told = self.settings, self.seed, self.out, self.ranks.device, self.progress
-        return train_to_see(backbone, read_outs, learned, validation, *told)
-
-    def _finish(
-        self, seen: Seen, speaker: Speaker, reader: Reader, seconds: Callable[[], float]
-    ) -> None:
-        """Calibrate, write the bundle, score what was written, and write its card."""
-        provenance = _provenance(self.settings, self.seed, self.workers, self.ranks)
-        provenance |= {"dgr_validation_accuracy": seen.accuracies}
-        answers = load_templates().grammar()
-        bundle = Bundle(
-            seen.model, seen.motion, speaker, answers, Calibration(), provenance, reader
-        )
-        bundle.calibration = calibrated(bundle, seen.validation, self.seed)
-        folder = self.out / "bundle"
-        save_bundle(folder, bundle)
-        # What is scored is what was written: half precision and all.
-        stored = load_bundle(folder)
-        test, mixed = (
-            perceive_examples(stored.model, self._examples(name), self.progress)
-            for name in ("test", "mixed")
-        )
-        scores = score_bundle(stored, test, self.seed)
-        scores["mixed"] = motion_scores(stored.motion(mixed.measured), mixed.labels)
-        scores["felt"] = felt_scores(stored, mixed)
-        scores["felt by the fused token alone"] = felt_scores(stored, mixed, is_silent=True)
-        write_card(folder, stored, scores, seconds())
+def _score(
+    folder: Path,
+    test: Examples,
+    mixed: Examples,
+    seed: int,
+    seconds: Callable[[], float],
+    progress: Progress,
+) -> None:
+    """Score what was written, half precision and all, and write its card."""
+    stored = load_bundle(folder)
+    scores = score_bundle(stored, perceive(stored.model, test, progress), seed)
+    clips = perceive(stored.model, mixed, progress)
+    scores["mixed"] = motion_scores(stored.motion(clips.measured), clips.labels)
+    scores["felt"] = felt_scores(stored, clips)
+    scores["felt by the fused token alone"] = felt_scores(stored, clips, is_silent=True)
+    write_card(folder, stored, scores, seconds())
 
 
 def _provenance(settings: TrainingPreset, seed: int, workers: int, ranks: Ranks) -> dict[str, Any]:
@@ -184,12 +158,198 @@ def _provenance(settings: TrainingPreset, seed: int, workers: int, ranks: Ranks)
     command = f"{program} train --preset {settings.name} --seed {seed} --workers {workers}"
     return {
         "command": f"{command} --out RUN_FOLDER",
-        "preset": settings.to_dict(),
+        "preset": asdict(settings),
         "seed": seed,
         "machine": machine(),
         "commit": commit(),
         "device": ranks.kind,
     }
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What a training has made of its backbone, and how it sees the clips.
+
+    Args:
+        model: Backbone, DGR and probes.
+        motion: The network whose beliefs everything is answered from.
+        accuracies: Of each way of training DGR, on validation objects.
+        learned: The clips that motion and language learn from.
+        validation: The clips of objects that no weight has seen.
+    """
+
+    model: GeoTLM
+    motion: MotionNetwork
+    accuracies: Mapping[str, float]
+    learned: ClipSet
+    validation: ClipSet
+
+    def readings(self) -> tuple[Tensor, Sequence[MotionLabel]]:
+        """Return what the language model reads of the clips it learns from, and their truth."""
+        beliefs = self.motion(self.learned.measured)
+        return reading_of(self.learned.fused_tokens, beliefs), self.learned.labels
+
+    def bundle(
+        self, speaker: Speaker, reader: Reader, provenance: Mapping[str, Any], seed: int
+    ) -> Bundle:
+        """Return the whole model, calibrated on clips that no weight has seen."""
+        parts = self.model, self.motion, speaker, load_templates().grammar()
+        bundle = Bundle(*parts, Calibration(), dict(provenance), reader)
+        clips = self.validation
+        is_touched = np.array([label.motion is not Motion.NONE for label in clips.labels])
+        bundle.calibration = Calibration(
+            temperature=fit_temperature(*true_option_likelihoods(bundle, clips, seed)),
+            felt_temperature=fit_temperature(*felt_likelihoods(bundle, clips)),
+            contact_threshold=fit_contact_threshold(clips.contact_share, is_touched),
+        )
+        return bundle
+
+
+def _see(
+    backbone: FrozenBackbone,
+    read_outs: DenseHeads,
+    learned: Examples,
+    validation: Examples,
+    settings: TrainingPreset,
+    seed: int,
+    out: Path,
+    device: str,
+    progress: Progress,
+) -> Seen:
+    """Train DGR both ways, probes and motion, and perceive all clips with them."""
+    model, accuracies = train_perception(
+        backbone,
+        token_set(backbone, learned, settings.fresh_clips, progress),
+        token_set(backbone, validation, len(validation), progress),
+        settings.geometry_epochs,
+        read_outs=read_outs,
+        seed=seed,
+        out=out,
+        device=device,
+        progress=progress,
+    )
+    clips = perceive(model, learned, progress), perceive(model, validation, progress)
+    return train_beliefs(model, accuracies, *clips, seed=seed, device=device, progress=progress)
+
+
+def train_perception(
+    backbone: Backbone,
+    train_set: TokenSet,
+    validation_set: TokenSet,
+    epochs: int,
+    *,
+    read_outs: DenseHeads | None,
+    seed: int,
+    out: Path,
+    device: str = "cpu",
+    progress: Progress = silent,
+) -> tuple[GeoTLM, dict[str, float]]:
+    """Train DGR and keep the way of training it that answers better on validation objects.
+
+    The drawn shear field of `paper` follows no true displacement, so that it has to be better.
+    Without read-outs that a backbone was pretrained through, DGR is trained the paper's way alone.
+    """
+    trained = {
+        mode: train_geometry(
+            train_set,
+            validation_set,
+            mode=mode,
+            read_outs=read_outs,
+            epochs=epochs,
+            seed=seed,
+            path=out / f"dgr_{mode}.pt",
+            device=device,
+            progress=progress,
+        )
+        for mode in (("paper",) if read_outs is None else ("paper", "grounded"))
+    }
+    accuracies = {mode: model.validation_accuracy for mode, model in trained.items()}
+    chosen = trained["paper" if read_outs is None else better_mode(accuracies)]
+    global_probe = train_global_probe(
+        train_set, validation_set, chosen.global_standardiser, epochs=epochs, seed=seed
+    )
+    model = GeoTLM(
+        backbone=backbone,
+        global_standardiser=chosen.global_standardiser,
+        patch_standardiser=chosen.patch_standardiser,
+        dgr=chosen.dgr.eval().requires_grad_(False),
+        probe=chosen.probe.eval().requires_grad_(False),
+        global_probe=global_probe.eval().requires_grad_(False),
+    )
+    return model, accuracies
+
+
+def train_beliefs(
+    model: GeoTLM,
+    accuracies: Mapping[str, float],
+    learned: ClipSet,
+    validation: ClipSet,
+    *,
+    seed: int,
+    device: str = "cpu",
+    progress: Progress = silent,
+) -> Seen:
+    """Train the motion network on perceived clips; others decide how wide its spans are."""
+    shared = {"seed": seed, "device": device, "progress": progress}
+    motion = train_motion(learned.measured, learned.labels, **shared)
+    widen_spans(motion, validation.measured, validation.labels)
+    return Seen(model, motion, accuracies, learned, validation)
+
+
+def token_set(
+    backbone: FrozenBackbone, examples: Examples, count: int, progress: Progress
+) -> TokenSet:
+    """Encode the first `count` examples; tokens stay in half precision to fit in memory."""
+    count = min(count, len(examples))
+    parts = []
+    for start in range(0, count, ENCODE_BATCH):
+        rows = slice(start, min(start + ENCODE_BATCH, count))
+        tokens = backbone.encode_inputs(torch.from_numpy(examples.inputs[rows]))
+        parts.append((tokens.global_token, tokens.patches.half()))
+        progress("encode", rows.stop, count)
+    displacement = torch.from_numpy(examples.displacement_px[:count])
+    return TokenSet.of(
+        Tokens(*(torch.cat(column) for column in zip(*parts, strict=True))),
+        examples.labels[:count],
+        shear_change=displacement[:, 1] - displacement[:, 0],
+        contact=torch.from_numpy(examples.contact[:count]).float().mean(dim=1),
+    )
+
+
+def perceive(
+    model: GeoTLM,
+    clips: Any,
+    progress: Progress = silent,
+    tokens_of: Callable[[slice], Tokens] | None = None,
+) -> ClipSet:
+    """Return tokens, contact share and what is measured of every clip.
+
+    Args:
+        model: Backbone and geometry.
+        clips: `Examples`, or `heads.EncodedClips`.
+        progress: Called after each batch.
+        tokens_of: Returns the tokens of some rows; None encodes their inputs.
+    """
+    fused, plain, contact, measurements = [], [], [], []
+    for start in range(0, len(clips), ENCODE_BATCH):
+        rows = slice(start, min(start + ENCODE_BATCH, len(clips)))
+        inputs, motions = (torch.from_numpy(part[rows]) for part in (clips.inputs, clips.motions))
+        tokens = tokens_of(rows) if tokens_of else model.backbone.encode_inputs(inputs)
+        perception = model.fuse(tokens)
+        fused.append(perception.fused_token)
+        plain.append(perception.global_token)
+        contact.append(perception.geometry.region_mass[:, -1])
+        known = inputs, motions, perception.geometry, perception.fused_token
+        measurements.append(measured(*known))
+        progress("perceive", rows.stop, len(clips))
+    return ClipSet(
+        fused_tokens=torch.cat(fused),
+        global_tokens=torch.cat(plain),
+        contact_share=torch.cat(contact).numpy(),
+        measured=Measured.joined(measurements),
+        labels=clips.labels,
+        objects=clips.objects,
+    )
 
 
 def train_speaker(
@@ -243,19 +403,5 @@ def reader_of(
     if not ranks.is_first:
         return reader
     held = [*islice(grammar().pairs(seed, "validation"), CALIBRATION_PAIRS), *corpus("validation")]
-    questions = [Labelled(one.text, (one.query,)) for one in held]
+    questions = [Labelled(pair.text, (pair.query,)) for pair in held]
     return calibrated_reader(reader, [*questions, *labelled(TUNE)])
-
-
-CALIBRATION_PAIRS = 1500
-
-
-def calibrated(bundle: Bundle, validation: ClipSet, seed: int) -> Calibration:
-    """Fit temperature and contact threshold on clips that no weight has seen."""
-    likelihoods, truths = true_option_likelihoods(bundle, validation, seed)
-    is_touched = np.array([label.motion is not Motion.NONE for label in validation.labels])
-    return Calibration(
-        temperature=fit_temperature(likelihoods, truths),
-        felt_temperature=fit_temperature(*felt_likelihoods(bundle, validation)),
-        contact_threshold=fit_contact_threshold(validation.contact_share, is_touched),
-    )

@@ -12,11 +12,11 @@ from geotlm_lm.answering.encoded import with_background
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
-from geotlm_lm.core.progress import silent
+from geotlm_lm.core.process import silent
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
-from geotlm_lm.recordings.span import frames_inside
+from geotlm_lm.recordings.read import frames_inside
 from geotlm_lm.track.tracker import Tracker, track_of
 from tests.answering.scripted import Scripted, ScriptedReader, believed
 

@@ -10,9 +10,8 @@ import pytest
 import torch
 
 from geotlm_lm.backbone import imprint
-from geotlm_lm.backbone.mirror import Mirror, mirrored_field, mirrored_inputs
-from geotlm_lm.backbone.stem import measure_clip
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.backbone.stem import Mirror, measure_clip, mirrored_field, mirrored_inputs
+from geotlm_lm.simulation.simulate import simulate_series
 from tests.backbone.test_stem import moving_clip
 
 

@@ -3,8 +3,8 @@
 import pytest
 import torch
 
-from geotlm_lm.backbone.adapters.anytouch import GELSIGHT_MINI
-from geotlm_lm.backbone.image_vit import sinusoids
+from geotlm_lm.backbone.encoder_modules import sinusoids
+from geotlm_lm.backbone.encoders import GELSIGHT_MINI
 from tests.backbone.oracles import FLOAT32_TOLERANCE, FLOAT64_TOLERANCE, check, relative_error
 
 
@@ -137,7 +137,7 @@ def test_oracle_tokens_of_the_seam_are_the_reference_of_anytouch2(oracles):
     # The adapter reads all clips as GelSight Mini's: its row gets the tokens of each clip's sensor.
     for index, sensor in enumerate(oracle.inputs("sensor")):
         module.sensor_tokens[GELSIGHT_MINI] = sensor_tokens[sensor]
-        tokens = encoder.adapter.tokens(module, oracle.inputs("clip")[index : index + 1])
+        tokens = encoder.row.tokens(module, oracle.inputs("clip")[index : index + 1])
         for found, name in ((tokens.global_token, "global"), (tokens.patches, "patch_grid")):
             expected = oracle.stored[f"out.{name}"][index : index + 1]
             assert relative_error(found, expected, name) < FLOAT64_TOLERANCE
@@ -146,7 +146,7 @@ def test_oracle_tokens_of_the_seam_are_the_reference_of_anytouch2(oracles):
 def test_oracle_tokens_of_the_seam_are_early_first_and_upright_for_sparsh(oracles):
     oracle = oracles("sparsh")
     encoder = oracle.load()
-    tokens = encoder.adapter.tokens(encoder.module.double(), oracle.inputs("clip"))
+    tokens = encoder.row.tokens(encoder.module.double(), oracle.inputs("clip"))
     assert oracle.error(tokens.global_token, "patch_mean") < 1e-7
     rows, columns = encoder.module.config.grid[1:]
     assert tokens.patches.shape[1:4] == (2, columns, rows)
@@ -162,7 +162,7 @@ def test_oracle_tokens_of_the_seam_are_means_over_the_frames_of_a_bin(oracles, n
     encoder = oracle.load()
     images = oracle.inputs("image")
     a, b = images[0], images[-1]  # one and the same in a set of one image
-    tokens = encoder.adapter.tokens(encoder.module.double(), torch.stack([a, b, b, b])[None])
+    tokens = encoder.row.tokens(encoder.module.double(), torch.stack([a, b, b, b])[None])
     grids = oracle.stored["out.latent"].movedim(1, -1) if name == "unit" else None
     grids = oracle.stored["out.patch_grid"] if grids is None else grids
     flat = oracle.stored["out.latent_flat" if name == "unit" else "out.global"]
@@ -176,7 +176,7 @@ def test_oracle_tokens_of_the_seam_see_each_bins_own_frames_for_anytouch1(oracle
     encoder = oracle.load()
     module = encoder.module.double()
     a, b = oracle.inputs("clip")[0, 0], oracle.inputs("clip")[0, -1]
-    tokens = encoder.adapter.tokens(module, torch.stack([a, a, b, b])[None])
+    tokens = encoder.row.tokens(module, torch.stack([a, a, b, b])[None])
     early, late = (
         module(torch.stack([frame] * 3)[None], torch.tensor([GELSIGHT_MINI])) for frame in (a, b)
     )

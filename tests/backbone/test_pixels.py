@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import torch
 
+from geotlm_lm.backbone.encoders import ENCODERS
 from geotlm_lm.backbone.pixels import CLIP_STATISTICS, IMAGENET
-from geotlm_lm.backbone.released import ENCODERS
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import IMAGE_SIDE
 
@@ -100,7 +100,7 @@ def test_sparsh_sees_a_landscape_picture_turned_clockwise():
 
 
 def test_sparshs_grid_is_turned_back_to_the_camera():
-    adapter = ENCODERS["sparsh"]
+    row = ENCODERS["sparsh"]
 
     class Averages(torch.nn.Module):
         """Each patch token is the mean of its pixels, so that its place can be read."""
@@ -117,14 +117,14 @@ def test_sparshs_grid_is_turned_back_to_the_camera():
             return tokens.unflatten(1, (2, 20, 15))
 
     clip = marked_clip(60, 240)
-    grid = adapter.tokens(Averages(), pixels("sparsh", clip)[None]).patches[0, :, :, :, 0]
+    grid = row.tokens(Averages(), pixels("sparsh", clip)[None]).patches[0, :, :, :, 0]
     assert grid.shape == (2, 15, 20)
     assert brightest(grid[0]) == pytest.approx((0.25, 0.75), abs=0.02)
     moving = Clip(
         np.concatenate([clip.frames[:2], marked_clip(180, 80).frames[:2]]),
         background=clip.background,
     )
-    early, late = adapter.tokens(Averages(), pixels("sparsh", moving)[None]).patches[0, ..., 0]
+    early, late = row.tokens(Averages(), pixels("sparsh", moving)[None]).patches[0, ..., 0]
     assert brightest(early) == pytest.approx((0.25, 0.75), abs=0.02)
     assert brightest(late) == pytest.approx((0.75, 0.25), abs=0.02)
 

@@ -36,15 +36,16 @@ def refusal(path):
     return text.removeprefix(f"{path}: ")
 
 
-@pytest.mark.parametrize("padding", range(0, 264, 8))
-def test_no_header_of_safetensors_is_taken_for_a_pickle(tmp_path, padding):
+def test_no_header_of_safetensors_is_taken_for_a_pickle(tmp_path):
     # The header's length comes first; 0x80, as 128 or 384, is how a pickle begins.
-    save_file(TENSORS, tmp_path / "weights", metadata={"note": "x" * padding})
-    assert same(read_tensors(tmp_path / "weights"))
+    for padding in range(0, 264, 8):
+        save_file(TENSORS, tmp_path / "weights", metadata={"note": "x" * padding})
+        assert same(read_tensors(tmp_path / "weights"))
 
 
-@pytest.mark.parametrize("level", [None, "model", "state_dict"])
-@pytest.mark.parametrize("wrapper", ["", "module.", "_orig_mod."])
+@pytest.mark.parametrize(
+    ("level", "wrapper"), [(None, ""), ("model", "module."), ("state_dict", "_orig_mod.")]
+)
 def test_pickles_are_read_with_and_without_a_level_and_a_wrapper(tmp_path, level, wrapper):
     named = {f"{wrapper}{name}": value for name, value in TENSORS.items()}
     stored = named if level is None else {level: named, "epoch": 3}
@@ -163,8 +164,7 @@ def test_a_name_of_another_package_is_never_imported(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("kind", ["zip", "legacy", "safetensors"])
-@pytest.mark.parametrize("kept", [0.02, 0.3, 0.7, 0.99])
-def test_a_file_cut_short_is_refused(tmp_path, kind, kept):
+def test_a_file_cut_short_is_refused(tmp_path, kind):
     tensors = {f"layer.{i}.weight": torch.randn(40, 40) for i in range(4)}
     path = tmp_path / "weights"
     if kind == "safetensors":
@@ -172,9 +172,9 @@ def test_a_file_cut_short_is_refused(tmp_path, kind, kept):
     else:
         torch.save(tensors, path, _use_new_zipfile_serialization=kind == "zip")
     whole = path.read_bytes()
-    path.write_bytes(whole[: int(kept * len(whole))])
-    text = refusal(path)
-    assert text.endswith("get the file the encoder's authors release.")
+    for kept in (0.02, 0.3, 0.7, 0.99):
+        path.write_bytes(whole[: int(kept * len(whole))])
+        assert refusal(path).endswith("get the file the encoder's authors release.")
 
 
 @pytest.mark.parametrize(

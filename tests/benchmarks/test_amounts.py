@@ -1,6 +1,7 @@
-"""How far: truths from tables, tolerances, and flow on imprints moved by a known way."""
+"""How far, and each component of a mixed motion: truths by hand, imprints moved by a known way."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -8,26 +9,33 @@ import pytest
 
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
-    BELIEF,
-    RIVALS,
     Moved,
+    Prediction,
+    amount_row,
     amount_rows,
+    belief_prediction,
+    fitted_amount,
+    grades,
     known_amount,
-    rival_tells,
-    scored,
+    mixture_rows,
+    words_prediction,
 )
-from geotlm_lm.benchmarks.halves import half_of
+from geotlm_lm.benchmarks.cases import half_of
+from geotlm_lm.benchmarks.harness import Row, Run
 from geotlm_lm.benchmarks.rendering import tables
-from geotlm_lm.benchmarks.rows import Row, Run
+from geotlm_lm.benchmarks.variants import BELIEF, FITS, RIVALS
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
-from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.data.labelled_recordings import WindowRow
+from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import Measure
+from tests.benchmarks.fakes import FakeAnswerer
 from tests.probe.imprints import moved_clip, textured_imprint
 
 
-def row(motion=Motion.CLOCKWISE, **values):
+def window(motion=Motion.CLOCKWISE, **values):
     return WindowRow(Path("x.mov"), 0, 9, motion, "cap", "caps", values)
 
 
@@ -43,7 +51,7 @@ def row(motion=Motion.CLOCKWISE, **values):
     ],
 )
 def test_a_turn_is_known_where_its_measurements_agree(values, amount):
-    assert known_amount(row(**values), "deg") == amount
+    assert known_amount(window(**values), "deg") == amount
 
 
 def moved(unit="px", amount=20.0, size=(224, 224), motion=Motion.LEFT):
@@ -70,13 +78,13 @@ def test_a_pixel_of_the_tolerance_is_one_of_a_224_pixel_image(one, value, is_rig
 def test_a_row_tells_nearness_span_and_probability():
     clips = [moved(amount=20.0), moved(amount=10.0)]
     told = [Measure("slide", 22.0, 2.0, "px", 2.0), Measure("slide", 20.0, 4.0, "px", 2.0)]
-    found = scored("slides", BELIEF, list(zip(clips, told, strict=True)), seed=0)
+    found = amount_row("slides", BELIEF, list(zip(clips, told, strict=True)), seed=0)
     assert (found.count, found.error, found.detail["in_span"]) == (2, 0.5, 0.5)
     assert found.detail["off_by"] == pytest.approx((0.1 + 1.0) / 2)
     assert found.detail["mean_probability"] == pytest.approx(np.mean([p.probability for p in told]))
 
 
-@pytest.mark.parametrize("rival", RIVALS.values())
+@pytest.mark.parametrize("rival", FITS.values())
 @pytest.mark.parametrize("way", [(12.0, 0.0), (0.0, -9.0)])
 def test_a_rival_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way, rival):
     rows, columns = CAMERA_PX
@@ -85,7 +93,7 @@ def test_a_rival_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way, ri
     frames = [cv2.resize(frame, square, interpolation=cv2.INTER_AREA) for frame in taken.frames]
     squashed = Clip(np.stack(frames), background=cv2.resize(taken.background, square))
     for clip, height, width in ((taken, rows, columns), (squashed, *square)):
-        found = rival_tells(rival, Moved(clip, "px", 1.0, Motion.LEFT, "caps"))
+        found = fitted_amount(rival, Moved(clip, "px", 1.0, Motion.LEFT, "caps"))
         expected = np.hypot(way[0] * width / columns, way[1] * height / rows)
         assert found == pytest.approx(expected, rel=0.05)
 
@@ -111,6 +119,117 @@ def test_every_method_is_told_of_every_source_and_half(folder, tiny_answerer):
     assert cases[:2] == ["simulated rotation", "simulated sliding"]
     half = half_of("a")
     assert cases[2:] == [f"real {folder.name}, {task}, {half}" for task in ("rotation", "sliding")]
-    assert [one.variant for one in rows] == [BELIEF, *RIVALS] * 4
+    assert [one.variant for one in rows] == [BELIEF, *FITS] * 4
     assert {one.count for one in rows[6:]} == {2}  # one turn, one slide, both played backwards too
     assert sum(one.count("\n") - 1 for one in tables(AMOUNTS, rows) if one[0] == "|") == len(rows)
+
+
+SHOWS = (9.0, 9.0, 9.0)
+
+
+def label(turn=12.0, travel=(-6.0, 1.0), inward=0.0, visible=SHOWS):
+    return MotionLabel(
+        Motion.CLOCKWISE,
+        rotation_deg=turn,
+        depth_change_mm=inward,
+        travel_px=travel,
+        radius_px=30.0,
+        visible_grey=visible,
+    )
+
+
+def belief(turn=11.0, travel=(-5.0, 2.0), inward=0.02, turns=0.9, slides=0.8, presses=0.1):
+    ways = dict.fromkeys(Motion, 0.0)
+    ways[Motion.CLOCKWISE if turn > 0 else Motion.COUNTERCLOCKWISE] = turns
+    ways[Motion.LEFT] = slides
+    ways[Motion.PRESS] = presses
+    return Belief(
+        mean=Twist(turn, *travel, inward),
+        covariance=np.diag([1.0, 1.0, 1.0, 0.01]),
+        ways=ways,
+        contact=1.0,
+        radius_px=30.0,
+        readable=dict.fromkeys(COMPONENTS, True),
+    )
+
+
+def graded(truth, told):
+    return dict(grades(truth, belief_prediction(told)))
+
+
+def test_a_belief_near_the_truth_is_right_about_all_of_it():
+    found = graded(label(), belief())
+    assert set(found) == {
+        "turn: counts",
+        "turn: way",
+        "turn: how far",
+        "turn: span",
+        "slide: counts",
+        "slide: way",
+        "slide: how far",
+        "slide: span",
+        "press: counts",  # it does not, and nothing else is asked of it
+        "turn and slide: both ways",
+    }
+    assert all(found.values())
+
+
+def test_each_part_is_wrong_for_its_own_reason():
+    opposite = graded(label(), belief(turn=-11.0))
+    assert [name for name, right in opposite.items() if not right] == [
+        "turn: way",
+        "turn and slide: both ways",
+    ]
+    far = graded(label(), belief(turn=20.0))
+    assert [name for name, right in far.items() if not right] == ["turn: how far", "turn: span"]
+    unsure = graded(label(), belief(slides=0.4))
+    assert [name for name, right in unsure.items() if not right] == [
+        "slide: counts",
+        "turn and slide: both ways",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("truth", "left_out"),
+    [
+        (label(turn=1.2), "turn"),  # 0.63 px at the radius: ambiguous
+        (label(visible=(1.0, 9.0, 9.0)), "turn"),
+        (label(inward=0.1), "press"),
+        (label(inward=0.3, visible=(9.0, 9.0, 1.0)), "press"),
+    ],
+)
+def test_what_is_ambiguous_or_does_not_show_is_left_out(truth, left_out):
+    found = graded(truth, belief())
+    assert not any(name.startswith(f"{left_out}:") for name in found)
+    assert ("turn and slide: both ways" in found) == (left_out == "press")
+
+
+def test_who_has_no_opinion_is_not_graded():
+    ways = {Component.TURN: (1.0,), Component.SLIDE: (0.0, 1.0)}
+    found = dict(grades(label(inward=0.4), Prediction(ways)))
+    assert found == {"turn: way": True, "slide: way": False, "turn and slide: both ways": False}
+
+
+def test_words_are_asked_of_each_component_and_name_its_way_or_deny_it():
+    def ask(encoded, question):
+        decided = "yes" if "lifting" in question else "no"
+        return SimpleNamespace(in_the_image=Motion.CLOCKWISE, decided=decided)
+
+    told = words_prediction(SimpleNamespace(ask=ask), None)
+    assert told.counting == {
+        Component.TURN: True,
+        Component.SLIDE: False,
+        Component.PRESS: True,
+    }
+    found = dict(grades(label(inward=-0.4), told))
+    assert {name for name, right in found.items() if not right} == {
+        "slide: counts",
+        "slide: way",
+        "turn and slide: both ways",
+    }
+
+
+def test_mixtures_of_the_simulator_are_graded_by_every_method():
+    rows = mixture_rows(Run(is_quick=True, answerer_given=FakeAnswerer()))
+    assert {row.variant for row in rows} == {BELIEF, "words", *RIVALS}
+    assert all("simulated mixtures, " in row.case and 0 < row.count <= 6 for row in rows)

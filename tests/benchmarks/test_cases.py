@@ -1,22 +1,44 @@
+"""Clips have the motions, sets, halves and sources that their titles say."""
+
+import tomllib
+from collections import Counter
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from geotlm_lm.benchmarks.cases.recordings import (
-    by_task,
-    four_frames,
+from geotlm_lm.benchmarks import cases, clips
+from geotlm_lm.benchmarks.cases import (
+    HALVES,
+    carried,
+    half_of,
+    hashed_half,
     held_across,
+    open_data_sets,
     real_recordings,
+    rows_of_half,
+    semi_real_held,
+    semi_real_slides,
+    simulated_cases,
+    slide_path,
     task_of,
+    tracked_pairs,
     window_cases,
-    without_idle_frame,
 )
-from geotlm_lm.benchmarks.cases.simulated import SimulatedCases
+from geotlm_lm.benchmarks.harness import Run
+from geotlm_lm.benchmarks.judging import Reply
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.edit import opposite
+from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.simulation import series
+from geotlm_lm.data.tactile_tracking import TactileTracking
+from geotlm_lm.data.touch_table import TouchRow
+from geotlm_lm.probe.rigid_flow import RigidFlow
+from geotlm_lm.simulation import simulate
+from tests.data.action_clips import write_actions
+from tests.data.test_tactile_tracking import steady_turn
+from tests.data.tracked_trials import path_of, write_trial
 
 
 def test_unreadable_clips_are_replaced_and_counted(monkeypatch):
@@ -28,11 +50,11 @@ def test_unreadable_clips_are_replaced_and_counted(monkeypatch):
                 object_name=f"object {number % 4}",
             )
 
-    monkeypatch.setattr(series, "simulate_series", every_third_unreadable)
-    cases = SimulatedCases("rotation", 20, seed=0)
-    assert len(list(cases)) == 20
+    monkeypatch.setattr(simulate, "simulate_series", every_third_unreadable)
+    left_out = Counter()
+    assert len(list(simulated_cases("rotation", 20, 0, left_out))) == 20
     # Of the numbers 0..28 every third is unreadable: 2, 5, ..., 26.
-    assert cases.unreadable == 9
+    assert left_out == {"unreadable_left_out": 9}
 
 
 def labelled_folder(folder, *directions):
@@ -67,8 +89,8 @@ def test_the_task_is_the_smallest_that_holds_every_label(tmp_path, directions, a
 
 
 def test_each_window_is_given_as_four_and_pair_both_ways(tmp_path):
-    cases = window_cases(labelled(tmp_path, "left"))
-    found = [(case.tags["frames"], case.tags["played"], case.motion) for case in cases]
+    windows = window_cases(labelled(tmp_path, "left"))
+    found = [(case.tags["frames"], case.tags["played"], case.motion) for case in windows]
     assert found == [
         ("four", "forwards", Motion.LEFT),
         ("four", "backwards", Motion.RIGHT),
@@ -83,31 +105,190 @@ def test_a_folder_without_usable_labels_says_what_it_found(tmp_path):
         real_recordings(folder)
 
 
-def test_a_clip_that_starts_in_contact_shows_no_idle_gel(tmp_path):
-    shown = list(four_frames(labelled(tmp_path, "left"), without_idle_frame))
-    assert [case.motion for case in shown] == [Motion.LEFT, Motion.RIGHT]
-    assert [case.clip.background for case in shown] == [None, None]
-    assert shown[0].clip.frame_numbers == (0, 3, 6, 9)
-
-
 def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(tmp_path):
-    recordings = labelled(tmp_path, "left")
-    shown = list(four_frames(recordings, held_across))
-    assert [case.motion for case in shown] == [Motion.DOWN, Motion.UP]
-    upright = next(window_cases(recordings)).clip
+    case = next(window_cases(labelled(tmp_path, "left")))
+    across, upright = held_across(case), case.clip
+    assert across.motion is Motion.DOWN
     # What was the right border is the top one.
-    np.testing.assert_array_equal(shown[0].clip.frames[:, 0], upright.frames[:, :, -1])
-    np.testing.assert_array_equal(shown[0].clip.background[0], upright.background[:, -1])
-    assert shown[0].clip.frame_numbers == upright.frame_numbers
+    np.testing.assert_array_equal(across.clip.frames[:, 0], upright.frames[:, :, -1])
+    np.testing.assert_array_equal(across.clip.background[0], upright.background[:, -1])
+    assert across.clip.frame_numbers == upright.frame_numbers
 
 
-def test_labels_of_several_tasks_are_asked_task_by_task(tmp_path):
-    parts = by_task(labelled(tmp_path, "clockwise", "left", "up", "press", "up-left"))
-    found = {name: [row.motion for row in part.rows] for name, part in parts.items()}
-    assert found == {
-        " rotation": [Motion.CLOCKWISE],
-        " sliding": [Motion.LEFT, Motion.UP],
-        " without direction": [Motion.PRESS],
-    }
-    assert task_of(parts[" sliding"].rows) == SLIDES
-    assert parts[" sliding"].skipped == {"up-left": 1}
+LISTED = tomllib.loads(Path(cases.__file__).with_name("halves.toml").read_text())
+
+
+@pytest.mark.parametrize("half", HALVES)
+def test_every_listed_family_is_where_its_hash_puts_it(half):
+    assert all(half_of(family) == hashed_half(family) == half for family in LISTED[half])
+
+
+def test_rows_are_of_one_half_or_of_both():
+    rows = [SimpleNamespace(object_family=name) for name in ("lemon", "tsa", "unheard of", "pen")]
+    reported, tuned = (rows_of_half(rows, half) for half in HALVES)
+    assert rows_of_half(rows, None) == tuple(rows)
+    assert len(reported) + len(tuned) == len(rows)
+    assert tuned[0].object_family == "lemon"
+    assert half_of("avocado_real") == half_of("avocado")
+    assert rows[1] in reported
+
+
+FLOW = {"flow": lambda clip, among: Reply(RigidFlow().predict(clip, among), 1.0)}
+
+
+def judged_rows(path, variants=FLOW, **options):
+    ((name, data_set),) = open_data_sets([path]).items()
+    return list(clips.data_set_rows(clips.Judge(Run(**options), variants), name, data_set))
+
+
+@pytest.fixture(scope="module")
+def tracked(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("trials") / "normalflow_dataset"
+    write_trial(folder / "key0", path_of(11, turn_deg=(0, 12), y=(-2.0, -2.0)))
+    write_trial(folder / "key1", path_of(11, turn_deg=(12, 0), y=(-2.0, -2.0)))
+    write_trial(folder / "bead0", path_of(11, x=(-0.8, 0.8), y=(1.5, 1.5)))
+    (folder / "bead1").mkdir()
+    (folder / "bead1" / "true_start_T_currs.npy").write_bytes(b"")
+    return folder
+
+
+def test_trials_are_judged_as_the_papers_two_tasks(tracked):
+    turns, slides = judged_rows(tracked)
+    assert (turns.case, turns.error) == ("TactileTracking normalflow_dataset, rotation", 0)
+    assert (slides.case, slides.error) == ("TactileTracking normalflow_dataset, sliding", 0)
+    assert set(turns.detail["recall"]) == {"clockwise", "counterclockwise"}
+    assert set(slides.detail["recall"]) == {"right"}
+    assert turns.detail["pairs"]["rule"]["gap_frames"] in (5, 10)
+    assert turns.detail["pairs"]["paper_share"] == pytest.approx(3 / 84)
+    assert clips.left_out(turns) == "1 whose files cannot be used"
+    assert "bead1: gelsight.avi is missing" in turns.detail["first_left_out"][0]
+
+
+def test_the_rule_is_the_one_whose_count_comes_nearest_to_the_papers_share():
+    """One degree a frame, 60 frames: 4,088 of 84 trials are 49 of one; a gap of 10 has 50 pairs."""
+    pairs, facts = tracked_pairs(TactileTracking("here", (steady_turn(1.0),)), "rotation")
+    assert (facts["rule"]["gap_frames"], facts["found"], len(pairs[0][1])) == (10, 50, 50)
+
+
+@pytest.fixture(scope="module")
+def listed(tmp_path_factory):
+    root = tmp_path_factory.mktemp("listed")
+    write_actions(root, frames=7)
+    write_actions(root, body="key", sensor="digit", actions=("rotate_cw", "slide_up"))
+    rows = ["clip_id,object_id,sensor,action,frames,background"]
+    for path in sorted(root.glob("*/*/*")):
+        body, sensor, name = path.relative_to(root).parts
+        folder = f"{body}/{sensor}/{name}"
+        action = name.removesuffix("-0")
+        rows.append(f"{folder},{body},{sensor},{action},{folder}/[0-9]*.png,{folder}/bg.png")
+    rows.append("bad,key,digit,slide_up,gone.npy,")
+    (root / "touchd.csv").write_text("\n".join(rows) + "\n")
+    return root / "touchd.csv"
+
+
+def test_a_manifest_is_judged_by_task_and_by_sensor(listed):
+    rows = judged_rows(listed)
+    assert [(row.case, row.count) for row in rows] == [
+        ("manifest touchd, rotation", 3),
+        ("manifest touchd, rotation, sensor digit", 1),
+        ("manifest touchd, rotation, sensor gsmini", 2),
+        ("manifest touchd, sliding", 5),
+        ("manifest touchd, sliding, sensor digit", 1),
+        ("manifest touchd, sliding, sensor gsmini", 4),
+    ]
+    assert max(row.error for row in rows) <= 0.25
+    assert rows[3].detail["files_left_out"] == 1  # told once it is to be read
+
+
+def test_two_data_sets_of_one_name_are_refused(listed):
+    with pytest.raises(UsageError, match="another data set is called 'manifest touchd' too"):
+        open_data_sets([listed, listed])
+
+
+ROWS, COLUMNS = 120, 160
+TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
+
+
+def idle_gel():
+    y, x = np.mgrid[:ROWS, :COLUMNS]
+    return np.stack([90 + 0.2 * x, 110 + 0.1 * y, 120 - 0.1 * x], -1).astype(np.float32)
+
+
+def blob(x, y, strength=40.0, radius=14.0):
+    rows, columns = np.mgrid[:ROWS, :COLUMNS]
+    height = np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / (2 * radius**2))
+    return strength * np.stack([np.gradient(height, axis=1) * radius] * 3, -1).astype(np.float32)
+
+
+def recording(folder, name, imprint, family="caps"):
+    """Twelve frames: eight idle, four touched."""
+    frames = np.stack([idle_gel()] * 8 + [idle_gel() + imprint] * 4)
+    np.save(folder / name, np.clip(np.rint(frames), 0, 255).astype(np.uint8))
+    return TouchRow(folder / name, 25.0, 8, 11, name, family)
+
+
+def middles(clip):
+    """Middle of the imprint in every frame, (x, y) in pixels."""
+    change = clip.frames[..., 1].astype(float) - clip.background[..., 1]
+    weight = np.square(change) * (np.abs(change) > 3)
+    rows, columns = np.mgrid[:ROWS, :COLUMNS]
+    return np.stack([[(w * columns).sum(), (w * rows).sum()] / w.sum() for w in weight])
+
+
+def slid(motion):
+    rng = np.random.default_rng(3)
+    path_px, turn_deg = slide_path(motion, COLUMNS, rng)
+    return carried(blob(80, 60), idle_gel(), rng, path_px=path_px, turn_deg=turn_deg)
+
+
+@pytest.mark.parametrize("motion", SLIDES)
+def test_an_imprint_is_carried_the_way_it_is_named(motion):
+    clip = slid(motion)
+    places = middles(clip)
+    across, along = np.array(TOWARDS[motion][::-1]), np.array(TOWARDS[motion])
+    travel = places[-1] - places[0]
+    assert 0.015 * COLUMNS < travel @ along < 0.13 * COLUMNS
+    assert abs(travel @ across) < 0.5 * (travel @ along)
+
+
+def test_the_four_ways_come_in_turn_and_each_is_played_backwards_too(tmp_path):
+    rows = [recording(tmp_path, f"{k}.npy", blob(80, 60)) for k in range(4)]
+    made = list(semi_real_slides(rows, seed=0))
+    truths = [case.motion for case, _ in made]
+    assert truths[::2] == list(SLIDES)
+    assert truths[1::2] == [opposite(motion) for motion in SLIDES]
+    for case, travel_px in made:
+        places = middles(case.clip)
+        assert np.hypot(*(places[-1] - places[0])) == pytest.approx(travel_px, rel=0.1)
+
+
+def test_imprints_cut_off_or_faint_are_left_out_and_counted(tmp_path):
+    rows = [
+        recording(tmp_path, "whole.npy", blob(80, 60)),
+        recording(tmp_path, "cut.npy", blob(4, 60)),
+        recording(tmp_path, "faint.npy", blob(80, 60, strength=0.5)),
+    ]
+    left_out = Counter()
+    slides = semi_real_slides(rows, 0, left_out)
+    assert {case.object_id for case, _ in slides} == {"whole.npy"}
+    assert left_out == {"cut_off_left_out": 2}
+    assert len(list(semi_real_held(rows, seed=0))) == 3
+
+
+def test_a_held_imprint_changes_by_noise_only(tmp_path):
+    (still, *_) = semi_real_held([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
+    assert still.motion == Motion.STILL
+    change = np.diff(still.clip.frames.astype(int), axis=0)
+    assert 0.1 < change.std() < 1.0
+    assert np.linalg.norm(middles(still.clip)[-1] - middles(still.clip)[0]) < 0.2
+
+
+def test_a_pressed_imprint_grows_where_it_is_and_a_release_is_it_backwards(tmp_path):
+    _, press, release = semi_real_held([recording(tmp_path, "a.npy", blob(80, 60))], seed=0)
+    assert (press.motion, release.motion) == (Motion.PRESS, Motion.RELEASE)
+    change = press.clip.frames[..., 1].astype(float) - press.clip.background[..., 1]
+    strength = np.abs(change).max(axis=(1, 2))
+    # The recorded imprint's steepest point is 24 grey levels; a quarter of it at first.
+    assert strength / strength[-1] == pytest.approx([0.25, 0.5, 0.75, 1.0], abs=0.08)
+    assert np.linalg.norm(middles(press.clip)[-1] - middles(press.clip)[0]) < 1.0
+    assert np.array_equal(release.clip.frames, press.clip.frames[::-1])

@@ -1,11 +1,15 @@
+"""Variants are scored on the same clips; intervals cover what they should."""
+
 import numpy as np
 import pytest
+from scipy import stats
 
 from geotlm_lm.benchmarks.judging import (
     Case,
     Reply,
     ask_all,
-    claims_turned_round,
+    clustered_interval,
+    paired_difference,
     rows_of_replies,
 )
 from geotlm_lm.core.clip import Clip
@@ -51,12 +55,9 @@ def test_every_variant_is_scored_on_the_same_clips():
     }
     assert {row.case for row in found.values()} == {"here"}
     assert found["silent"].detail["unanswered"] == 4
-
-
-def test_class_collapse_shows_in_the_recalls():
-    detail = rows()["first"].detail
-    assert detail["recall"] == {"clockwise": 1.0, "counterclockwise": 0.0}
-    assert detail["macro_by_object"] == 0.75
+    assert found["first"].detail["recall"] == {"clockwise": 1.0, "counterclockwise": 0.0}
+    assert found["first"].detail["macro_by_object"] == 0.75
+    assert rows(cases=[]) == {}
 
 
 def test_words_are_held_against_the_better_rival():
@@ -103,20 +104,6 @@ def test_turns_and_slides_are_counted_apart_on_clips_without_direction():
     assert "claims" not in rows()["first"].detail
 
 
-def test_a_claim_counts_as_seen_where_it_turns_round_with_the_clip():
-    left, right = Motion.LEFT, Motion.RIGHT
-    answers = iter([(CW, left), (CW,), (), (CCW, left), (CW, right), (CW,)])
-    forwards, backwards = (
-        ask_all(
-            {"m": lambda clip, among: Reply(STILL, 1.0, next(answers))},
-            [case(STILL)] * 3,
-            tuple(Motion),
-        )
-        for _ in range(2)
-    )
-    assert claims_turned_round(forwards, backwards) == {"m": {"turn": (2, 1), "slide": (1, 0)}}
-
-
 def test_cases_are_read_one_at_a_time():
     held = []
 
@@ -130,5 +117,44 @@ def test_cases_are_read_one_at_a_time():
     assert asked == [1, 2, 3]
 
 
-def test_without_a_case_there_is_no_row():
-    assert rows(cases=[]) == {}
+def correlated_clips(rng, objects=30, clips=20):
+    """Clips of one object share its difficulty: a beta-distributed accuracy of mean 0.8."""
+    skill = np.repeat(rng.beta(4, 1, objects), clips)
+    return rng.random(objects * clips) < skill, np.repeat(np.arange(objects), clips)
+
+
+def width(interval):
+    return interval[1] - interval[0]
+
+
+def test_the_interval_covers_the_truth_about_nineteen_times_in_twenty():
+    rng = np.random.default_rng(2)
+    hits = 0
+    for repeat in range(150):
+        correct, objects = correlated_clips(rng)
+        low, high = clustered_interval(correct, objects, seed=repeat)
+        hits += low <= 0.8 <= high
+    # 150 repeats: standard error 0.018; a naive interval covers about 0.7 here.
+    assert 0.89 < hits / 150 < 0.985
+
+
+def test_all_right_still_leaves_doubt():
+    low, high = clustered_interval(np.ones(50, bool), np.arange(50))
+    # Wilson's interval at 50 of 50 is (n / (n + z^2), 1).
+    assert (low, high) == pytest.approx((50 / (50 + 1.96**2), 1.0), abs=1e-4)
+    assert clustered_interval(np.zeros(50, bool), np.arange(50)) == pytest.approx(
+        (1 - high, 1 - low)
+    )
+
+
+@pytest.mark.parametrize(("right", "count"), [(7, 20), (49, 50), (1, 3)])
+def test_one_object_gets_the_interval_of_independent_clips(right, count):
+    correct = np.arange(count) < right
+    expected = stats.binomtest(right, count).proportion_ci(method="wilson")
+    found = clustered_interval(correct, ["cap"] * count)
+    assert found == pytest.approx((expected.low, expected.high))
+
+
+def test_one_object_can_never_be_significant():
+    found = paired_difference(np.ones(500), np.zeros(500), ["cap"] * 500)
+    assert (found["low"], found["high"]) == (-1.0, 1.0)

@@ -1,4 +1,4 @@
-"""Methods in turn, fronts, and what fresh processes say; numbers by hand."""
+"""Methods, commands and presets in turn, fronts, and what is left out; numbers by hand."""
 
 import itertools
 import subprocess
@@ -6,21 +6,34 @@ import subprocess
 import numpy as np
 import pytest
 
+from geotlm_lm.benchmarks.harness import Row, Run
 from geotlm_lm.benchmarks.judging import Case, Reply
-from geotlm_lm.benchmarks.pareto import PARETO
-from geotlm_lm.benchmarks.pareto_answers import (
-    PRECISIONS,
+from geotlm_lm.benchmarks.omissions import (
+    SAVED,
+    Omission,
+    model_omissions,
+    omission_rows,
+    scene_omissions,
+)
+from geotlm_lm.benchmarks.pareto import (
+    DRIFT,
+    HEIGHT,
+    METHODS,
+    SIMULATOR,
+    SOLVERS,
     case_sets,
+    error_rows,
+    in_turn,
     model_variants,
     rows_in_turn,
+    run_fresh,
+    scenes,
     with_front,
 )
-from geotlm_lm.benchmarks.pareto_processes import in_turn, long_recording, run_fresh, timed_rows
-from geotlm_lm.benchmarks.pareto_simulator import VARIANTS, error_rows, scenes
 from geotlm_lm.benchmarks.rendering import tables
-from geotlm_lm.benchmarks.rows import Row, Run
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, Motion
+from geotlm_lm.simulation.contact import PRESETS
 
 
 def known(motion):
@@ -43,8 +56,6 @@ def test_ways_take_turns_and_the_first_round_is_not_counted():
     runs = in_turn({"a": lambda: log.append("a"), "b": lambda: log.append("b") or 5}, 2)
     assert "".join(log) == "ab" + "ba" + "ab"
     assert [result for result, ms in runs["b"] if ms >= 0] == [5, 5]
-    (row,) = timed_rows("case", {"a": lambda: sum(range(100_000))}, 3)
-    assert row.ms_p50 > 0
 
 
 def test_methods_are_asked_clip_by_clip_and_timed_in_the_rounds_that_count():
@@ -70,8 +81,7 @@ def test_clips_come_in_four_frames_and_two():
 
 def test_an_unreadable_clip_is_named_by_no_read_out_of_the_model(tiny_answerer):
     black = Clip(np.zeros((4, 32, 32, 3), np.uint8), background=np.zeros((32, 32, 3), np.uint8))
-    asked = model_variants(tiny_answerer, f", {PRECISIONS[2]}")
-    assert all(name.endswith(", int8") for name in asked)
+    asked = model_variants(tiny_answerer)
     assert {ask(black, ROTATIONS).motion for ask in asked.values()} == {None}
 
 
@@ -86,8 +96,8 @@ ROWS = with_front(
         row("linear probe", 0.025, 30.0, p95=38.0),
         row("another probe", 0.02, 36.0, p95=45.0),
         row("words", 0.005, 42.0, p95=60.0),
-        row("words, int8", 0.01, 39.0, p95=50.0),
-        row("words, bfloat16", 0.005, 60.0, p95=80.0),
+        row("words, rarer", 0.01, 39.0, p95=50.0),
+        row("words, slower", 0.005, 60.0, p95=80.0),
     ]
 )
 BOTH = ROWS + [Row(**vars(one) | {"case": "simulated sliding, four frames"}) for one in ROWS]
@@ -102,7 +112,7 @@ def test_the_front_holds_what_nothing_beats_in_both():
 
 
 def test_the_methods_are_shown_in_a_table_and_drawn(tmp_path):
-    methods = PARETO.section("methods")
+    methods = METHODS
     simulated, _, real = "\n".join(
         tables(methods, [*BOTH, Row(**vars(ROWS[1]) | {"case": "real set, four frames"})])
     ).rpartition("### Real recordings")
@@ -120,15 +130,9 @@ def test_a_process_that_fails_raises_and_others_give_their_lines():
         run_fresh("exit(3)")
 
 
-def test_a_long_recording_is_the_idle_gel_and_then_the_clip():
-    frames = np.arange(1, 5, dtype=np.uint8)[:, None, None, None] * np.ones((8, 8, 3), np.uint8)
-    shown = long_recording(Clip(frames, background=np.zeros((8, 8, 3), np.uint8)))
-    assert list(np.unique(shown.frames[:, 0, 0, 0], return_counts=True)[1]) == [25] * 5
-
-
 def test_finer_presets_err_less_and_what_leaves_out_physics_more(tmp_path):
     asked = {
-        name: VARIANTS[name]
+        name: SOLVERS[name]
         for name in ("fast", "draft", "half-space, 64 cells", "geometric overlap")
     }
     rows = list(error_rows({"slide": scenes()["ball, slide"]}, asked, "good", 1))
@@ -139,5 +143,39 @@ def test_finer_presets_err_less_and_what_leaves_out_physics_more(tmp_path):
         assert errors["fast"] < 0.2 * errors["half-space, 64 cells"]
         # No elasticity: it is cheap, wrong, and tells no drift.
         assert errors.get("geometric overlap", np.inf) > errors["draft"]
-    PARETO.section("simulator").figure(rows, tmp_path / "simulator.png")
+    SIMULATOR.figure(rows, tmp_path / "simulator.png")
     assert (tmp_path / "simulator.png").stat().st_size > 5_000
+
+
+def test_both_ways_take_turns_and_are_told_with_their_difference():
+    log = []
+    one = Omission(
+        "all of it",
+        "always",
+        lambda: log.append("full") or 5.0,
+        lambda: log.append("lean") or 3.0,
+        lambda full, lean: {"um": full - lean, "grey": 0.0},
+    )
+    (row,) = omission_rows([one], 2)
+    assert log == ["full", "lean", "lean", "full", "full", "lean"]  # to warm up, and twice
+    assert (row.case, row.count, row.detail["costs"]) == ("all of it", 2, {"um": 2.0, "grey": 0.0})
+    low, middle, high = row.detail["saved_ms"]
+    assert low <= middle <= high
+    assert "2 um; 0 grey" in tables(SAVED, [row])[0]
+
+
+def test_what_the_model_leaves_out_changes_no_answer(tiny_answerer):
+    omissions = model_omissions(Run(answerer_given=tiny_answerer))
+    rows = {one.case: one for one in omission_rows(omissions, 1)}
+    assert rows["encoding again"].detail["costs"] == {"of answers changed": 0}
+    assert rows["the language model"].detail["costs"] == {}
+
+
+def test_an_omission_costs_what_it_cannot_tell_and_little_else():
+    untold, slippery, coarse = (
+        one.cost(one.full(), one.lean()) for one in scene_omissions(PRESETS["draft"])
+    )
+    # The key is pressed in by 600 um: none of it moves the surface by a twentieth of that.
+    assert all(0 < one[HEIGHT] < 30 for one in (untold, slippery, coarse))
+    assert DRIFT not in untold
+    assert coarse[DRIFT] < 0.2 < slippery[DRIFT]

@@ -10,27 +10,28 @@ import pytest
 import torch
 
 from geotlm_lm.benchmarks import protocols
-from geotlm_lm.benchmarks.cases.simulated import TASKS
-from geotlm_lm.benchmarks.protocol_clips import TaskClips, task_clips
+from geotlm_lm.benchmarks.cases import TASKS
+from geotlm_lm.benchmarks.harness import EncoderFile, Row, Run
 from geotlm_lm.benchmarks.protocols import (
     GROUNDED,
     PAPER,
     PROTOCOLS,
+    TaskClips,
     fold_scores,
     methods_of,
     protocol_rows,
     published_rows,
+    task_clips,
 )
 from geotlm_lm.benchmarks.rendering import tables
-from geotlm_lm.benchmarks.rows import EncoderFile, Row, Run
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, Motion
-from geotlm_lm.core.progress import silent
-from geotlm_lm.core.seeding import seed_for
-from geotlm_lm.simulation.series import simulate_series
-from geotlm_lm.training.object_folds import Fold
+from geotlm_lm.core.numbers import seed_for
+from geotlm_lm.core.process import silent
+from geotlm_lm.simulation.simulate import simulate_series
+from geotlm_lm.training.folds import Fold
 from tests.backbone.small_files import write_small
-from tests.benchmarks.plain_backbone import PlainBackbone
+from tests.benchmarks.fakes import PlainBackbone
 
 NONE = np.array([], dtype=np.intp)
 
@@ -40,29 +41,23 @@ def run_on(backbone, **more):
     return Run(is_quick=True, answerer_given=answerer, **more)
 
 
-@pytest.fixture(scope="module")
-def finished():
-    return protocol_rows(run_on(PlainBackbone()))
-
-
-def test_every_method_is_scored_in_both_protocols(finished):
+@pytest.mark.slow
+def test_every_method_is_scored_in_both_protocols():
+    finished = protocol_rows(run_on(PlainBackbone()))
     ours = [row for row in finished if row.count]
     for task in ("rotation", "sliding"):
         for protocol in ("five-fold", "leave-one-object-out"):
             own = [row.variant for row in ours if row.case == f"{task}, {protocol}"]
             assert own == list(methods_of(task, True))
     assert {row.count for row in ours} == {10}
-    one = next(row for row in ours if row.variant == PAPER)
-    assert one.interval[0] <= one.error <= one.interval[1]
-
-
-def test_the_pages_tables_hold_ours_and_the_published_ones(finished):
-    rows = [Row.from_dict(row.to_dict()) for row in finished]
-    text = "\n".join(tables(PROTOCOLS, rows))
+    paper = next(row for row in ours if row.variant == PAPER)
+    assert paper.interval[0] <= paper.error <= paper.interval[1]
+    text = "\n".join(tables(PROTOCOLS, [Row.from_dict(row.to_dict()) for row in finished]))
     assert "| rotation, published: ToucHD-Sim (simulated), five-fold" in text
     assert "0.952 ± 0.016" in text  # the paper's Table I, GeoTLM
 
 
+@pytest.mark.slow
 def test_a_released_encoder_takes_the_backbones_place(tmp_path):
     path = write_small("anytouch2", tmp_path / "file")
     rows = protocol_rows(run_on(None, encoder=EncoderFile(path, heads=2)))

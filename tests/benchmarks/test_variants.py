@@ -36,13 +36,7 @@ def test_words_may_name_any_motion_and_all_others_keep_to_the_task():
 
 def test_the_slots_tell_the_way_of_the_task_whatever_else_is_asked():
     for motion in ALL:
-        assert said(FakeAnswerer(mute=motion), motion, ALL)[variants.SLOTS_FELT] == motion
-
-
-def test_the_global_probe_reads_the_global_token():
-    """The fake's global token is the negative of z, so this probe must avoid the truth."""
-    found = said(FakeAnswerer(), Motion.CLOCKWISE, ROTATIONS)
-    assert found[variants.GLOBAL_PROBE] == Motion.COUNTERCLOCKWISE
+        assert said(FakeAnswerer(mute=motion), motion, ALL)[variants.SLOTS_OWN] == motion
 
 
 def test_a_clip_is_encoded_once_for_all_rows_and_again_for_the_next():

@@ -2,19 +2,56 @@
 
 import json
 import sys
+from dataclasses import dataclass
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
-from tests.cli import fakes
+from geotlm_lm.recordings.read import frames_inside
 from tests.cli.running import run
 from tests.recordings import broken_files
 
 
+class FakeAnswerer:
+    abstained = False
+
+    def __init__(self):
+        self.clips, self.spans, self.questions, self.folders = [], [], [], []
+        self.frames = []
+
+    def load(self, folder=None):
+        self.folders.append(folder)
+        return self
+
+    def encode(self, clip, span=None):
+        self.clips.append(clip)
+        self.spans.append(span)
+        return clip if span is None else frames_inside(clip, span)
+
+    def ask(self, encoded, question, *, frame):
+        self.questions.append(question)
+        self.frames.append(frame)
+        return SimpleNamespace(
+            text="Clockwise.",
+            abstained=self.abstained,
+            notes=("Frames 0, 1, 2, 3 are used.",),
+            to_dict=lambda: {"text": "Clockwise.", "direction": "clockwise"},
+        )
+
+    def why(self, encoded, answer):
+        return Why(("Contact fills the gel.", f"Therefore: {answer.text}"), "by rule")
+
+
+@dataclass(frozen=True)
+class Why:
+    steps: tuple
+    source: str
+
+
 @pytest.fixture
 def answerer(monkeypatch):
-    fake = fakes.FakeAnswerer()
+    fake = FakeAnswerer()
     module = ModuleType("geotlm_lm.answering")
     module.Answerer = SimpleNamespace(load=fake.load)
     monkeypatch.setitem(sys.modules, "geotlm_lm.answering", module)
@@ -32,9 +69,7 @@ def clip_path(tmp_path):
 @pytest.fixture
 def ask(capsys, answerer, clip_path):
     """Ask which way, with some options."""
-    return lambda *options: run(
-        capsys, "answer", "--clip", clip_path, "--q", "Which way?", *options
-    )
+    return lambda *options: run(capsys, "answer", clip_path, "--q", "Which way?", *options)
 
 
 def test_the_sentence_goes_to_stdout_and_notes_to_stderr(ask, answerer):
@@ -89,7 +124,7 @@ def test_an_abstention_fails_only_when_asked_to(ask, answerer, clip_path):
     code, out, err = ask("--fail-on-abstain")
     assert (code, out) == (5, "Clockwise.\n")
     assert err.splitlines()[-1] == (
-        f"{clip_path}: the model would not answer; see `geotlm-lm info --clip {clip_path}` for "
+        f"{clip_path}: the model would not answer; see `geotlm-lm info {clip_path}` for "
         f"contact, or give a part with more motion by --frames."
     )
 
@@ -101,7 +136,7 @@ def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path
     path = tmp_path / name
     path.write_bytes(content)
     question = ["--q", "Which way?"] if command == "answer" else []
-    done = run(capsys, command, "--clip", path, *question)
+    done = run(capsys, command, path, *question)
     assert done == (3, "", f"{path}: {sentence}\n")
     assert answerer.clips == []
 
@@ -118,7 +153,7 @@ def test_a_span_outside_the_recording_ends_with_code_2(ask):
 def test_square_pixels_are_told_to_the_reader(capsys, answerer, tmp_path):
     path = tmp_path / "square.npy"
     np.save(path, np.random.default_rng(0).integers(0, 255, (4, 224, 224, 3)).astype(np.uint8))
-    asked = ("answer", "--clip", path, "--q", "Which way?")
+    asked = ("answer", path, "--q", "Which way?")
     run(capsys, *asked)
     run(capsys, *asked, "--square-pixels")
     assert [clip.frames.shape[1:3] for clip in answerer.clips] == [(224, 224), (224, 223)]

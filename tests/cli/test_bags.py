@@ -44,9 +44,9 @@ def test_its_track_is_that_of_an_array(capsys, answerer, bag, array):
 
 def test_it_is_answered_about_described_and_watched(capsys, answerer, bag):
     asked = ("--q", "Which way is it turning?")
-    assert "clockwise" in run(capsys, "answer", "--clip", bag, "--topic", TOPIC, *asked)[1]
-    assert told(capsys, "info", "--clip", bag, "--topic", TOPIC, "--json")["frames"] == 70
-    account = told(capsys, "watch", "--source", bag, "--topic", TOPIC, "--json")
+    assert "clockwise" in run(capsys, "answer", bag, "--topic", TOPIC, *asked)[1]
+    assert told(capsys, "info", bag, "--topic", TOPIC, "--json")["frames"] == 70
+    account = told(capsys, "watch", bag, "--topic", TOPIC, "--json")
     assert account["frames"] == 70
     facts = told(capsys, "doctor", bag, "--topic", TOPIC, "--json")
     assert "dropped frames" not in facts["faults"]
@@ -55,7 +55,7 @@ def test_it_is_answered_about_described_and_watched(capsys, answerer, bag):
 def test_a_folder_of_them_is_answered_in_a_batch(capsys, answerer, tmp_path, bag):
     questions, out = tmp_path / "questions.txt", tmp_path / "rows.jsonl"
     questions.write_text("Which way is it turning?\n")
-    words = ("--clips", tmp_path, "--questions", questions, "--out", out, "--topic", TOPIC)
+    words = (tmp_path, "--questions", questions, "--out", out, "--topic", TOPIC)
     code, _, errors = run(capsys, "batch", *words)
     assert code == 0, errors
     [row] = map(json.loads, out.read_text().splitlines())
@@ -63,7 +63,7 @@ def test_a_folder_of_them_is_answered_in_a_batch(capsys, answerer, tmp_path, bag
 
 
 def test_without_a_topic_they_are_listed(capsys, bag):
-    code, out, errors = run(capsys, "info", "--clip", bag)
+    code, out, errors = run(capsys, "info", bag)
     assert (code, out) == (3, "")
     assert errors == (
         f"{bag}: holds images on 2 topics, {TOPIC} (70 images), /wrist (3 images), expected one; "

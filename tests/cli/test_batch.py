@@ -1,3 +1,5 @@
+"""`geotlm-lm batch`: what is read, written and refused; the rows: tests/answering."""
+
 import json
 
 import numpy as np
@@ -6,7 +8,7 @@ import pytest
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.cli.batch import read_questions
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.workers import ALONE
+from geotlm_lm.runs.run import ALONE
 from tests.answering.scripted import feeling, recording
 from tests.cli.running import run
 from tests.data_sets.lerobot_files import CAMERA, OTHER, turned, write_data_set

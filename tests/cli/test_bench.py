@@ -5,7 +5,7 @@ import json
 import pytest
 
 from geotlm_lm.benchmarks import benches
-from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Section, every
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every
 from geotlm_lm.core.record import RunRecord
 from tests.cli.running import run
 

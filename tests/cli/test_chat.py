@@ -33,7 +33,7 @@ def talk(monkeypatch, capsys, bundle, clip_path):
 
     def piped(*lines, options=()):
         monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in lines)))
-        code, out, err = run(capsys, "chat", "--clip", clip_path, *options)
+        code, out, err = run(capsys, "chat", clip_path, *options)
         assert code == 0
         return out.splitlines(), err.splitlines()
 

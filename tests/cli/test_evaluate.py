@@ -1,11 +1,19 @@
+"""`evaluate` hands its options on, and writes a record; of an encoder's file as of the model."""
+
 import json
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
 
-from geotlm_lm.benchmarks.rows import Bench, Pivot, Row, Section, every
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every, rows_of
 from geotlm_lm.cli.recorded import command_line
 from geotlm_lm.core.record import RunRecord
+from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.training import config, train
+from geotlm_lm.training.config import HeadsPreset
+from geotlm_lm.training.language import LanguageTraining
+from tests.backbone.small_files import write_small
 from tests.cli.running import run
 
 
@@ -13,7 +21,7 @@ from tests.cli.running import run
 def judged(monkeypatch):
     """Replaces the model and the bench; returns the runs that the bench was given."""
     from geotlm_lm import answering
-    from geotlm_lm.benchmarks import accuracy
+    from geotlm_lm.benchmarks import benches
 
     given = []
 
@@ -27,7 +35,7 @@ def judged(monkeypatch):
     bundle = SimpleNamespace(digest=lambda: "0123456789ab")
     load = classmethod(lambda cls, folder: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)
-    monkeypatch.setattr(accuracy, "EVALUATION", bench)
+    monkeypatch.setattr(benches, "EVALUATION", bench)
     return given
 
 
@@ -117,3 +125,82 @@ def test_a_record_replaces_an_earlier_record_and_nothing_else(judged, invoke, tm
 def test_a_record_goes_to_no_device(judged, invoke):
     told = "--out: /dev/null is no regular file, expected the name of one.\n"
     assert invoke("--out", "/dev/null") == (2, "", told)
+
+
+TINY = HeadsPreset(
+    name="tiny",
+    head_clips=16,
+    validation_clips=8,
+    geometry_epochs=1,
+    language_steps=2,
+    language_batch=4,
+)
+
+
+@pytest.fixture
+def weights(tmp_path):
+    return write_small("anytouch2", tmp_path / "file")
+
+
+def test_an_encoder_is_evaluated_from_its_file_to_the_record(
+    capsys, weights, tmp_path, monkeypatch
+):
+    monkeypatch.setitem(config.HEADS_PRESETS, "tiny", TINY)
+    small = partial(LanguageTraining, size=LanguageSize(width=16, layers=1, heads=2, mlp=16))
+    monkeypatch.setattr(train, "LanguageTraining", small)
+    arguments = ["evaluate", "--encoder", "anytouch2", "--weights", weights, "--heads", 2]
+    arguments += ["--preset", "tiny", "--run-folder", tmp_path / "run", "--clips", 2]
+    code, out, _ = run(capsys, *arguments, "--out", tmp_path / "first.json")
+    assert code == 0
+    assert "linear probe" in out
+    record = RunRecord.load(tmp_path / "first.json")
+    assert record.config["model"] == "AnyTouch 2 (checkpoint.pth)"
+    assert record.config["encoder"]["encoder"] == "anytouch2"
+    assert {row.case for row in rows_of(record, "clips")} == {
+        f"simulated {task}" for task in ("rotation", "sliding", "all")
+    }
+    run(capsys, *arguments, "--out", tmp_path / "second.json")
+    second = RunRecord.load(tmp_path / "second.json")
+    assert second.config["model_digest"] == record.config["model_digest"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--encoder", "t3"], "--encoder and --heads need --weights with the encoder's file.\n"),
+        (["--encoder", ""], "--encoder and --heads need --weights with the encoder's file.\n"),
+        (
+            ["--weights", "a.pth", "--model", "b"],
+            "--model and --weights exclude each other: give one of them.\n",
+        ),
+        (
+            ["--preset", "smoke"],
+            "--preset and --run-folder need --weights with the encoder's file.\n",
+        ),
+        (
+            ["--run-folder", "a"],
+            "--preset and --run-folder need --weights with the encoder's file.\n",
+        ),
+    ],
+)
+def test_options_that_do_not_go_together_are_refused(capsys, arguments, sentence):
+    assert run(capsys, "evaluate", *arguments) == (2, "", sentence)
+
+
+@pytest.mark.parametrize(
+    ("options", "begins"),
+    [
+        (["--preset", "nope"], "there is no preset 'nope'; choose one of "),
+        (["--preset", ""], "there is no preset ''; choose one of "),
+        ([], "no.pth: "),
+        (["--out", "new/x.json", "--run-folder", "new/run"], "no.pth: "),
+    ],
+)
+def test_an_evaluation_that_is_refused_leaves_no_folder_behind(
+    capsys, tmp_path, monkeypatch, options, begins
+):
+    monkeypatch.chdir(tmp_path)
+    code, _, err = run(capsys, "evaluate", "--weights", "no.pth", *options)
+    assert code != 0
+    assert err.startswith(begins)
+    assert list(tmp_path.iterdir()) == []

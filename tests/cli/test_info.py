@@ -1,4 +1,4 @@
-"""`info` tells what a recording holds without any model."""
+"""`info` describes a recording or an encoder's file, `doctor` examines it, without a model."""
 
 import json
 import os
@@ -6,11 +6,15 @@ import os
 import numpy as np
 import pytest
 
+from geotlm_lm.doctor import installation
+from geotlm_lm.recordings import streams
+from geotlm_lm.recordings.streams import StreamFrame
+from tests.backbone.small_files import write_small
 from tests.cli.running import run
 
 
 def described(capsys, path, *options):
-    code, out, _ = run(capsys, "info", "--clip", path, "--json", *options)
+    code, out, _ = run(capsys, "info", path, "--json", *options)
     assert code == 0
     return json.loads(out.splitlines()[-1])
 
@@ -40,7 +44,7 @@ def test_a_recording_is_described(capsys, press):
 
 def test_a_name_that_is_not_utf_8_is_printed_as_it_is(capfdbinary, press):
     path = press.rename(press.with_name(os.fsdecode(b"m\xe9.npz")))
-    code, out, _ = run(capfdbinary, "info", "--clip", path)
+    code, out, _ = run(capfdbinary, "info", path)
     assert code == 0
     assert b"/m\xe9.npz\n" in out
     assert run(capfdbinary, "doctor", path)[1].endswith(b"\nm\xe9.npz: 1 to repair: size.\n")
@@ -71,6 +75,108 @@ def test_an_untouched_gel_shows_no_contact(capsys, tmp_path):
 
 
 def test_words_are_one_fact_a_line(capsys, press):
-    lines = run(capsys, "info", "--clip", press)[1].splitlines()
+    lines = run(capsys, "info", press)[1].splitlines()
     assert "frames: 20" in lines
     assert "size px: 80 60" in lines
+
+
+@pytest.fixture
+def weights(tmp_path):
+    return write_small("anytouch2", tmp_path / "file")
+
+
+def test_a_file_is_described_by_what_it_was_recognised_as(capsys, weights):
+    code, out, _ = run(capsys, "info", "--weights", weights, "--heads", 2, "--json")
+    facts = json.loads(out)
+    assert code == 0
+    assert facts["encoder"] == "anytouch2"
+    assert facts["patch_tokens"] == [2, 3, 3, 24]
+    assert facts["parameters"] > 10_000
+    _, out, _ = run(capsys, "info", "--weights", weights, "--encoder", "anytouch2", "--heads", 2)
+    assert "title: AnyTouch 2" in out.splitlines()
+
+
+def test_a_file_of_another_encoder_ends_with_one_sentence(capsys, weights):
+    code, out, err = run(capsys, "info", "--weights", weights, "--encoder", "unit")
+    assert (code, out, err.count("\n")) == (4, "", 1)
+    assert "is not UniT: missing encoder.conv_in.weight" in err
+
+
+@pytest.mark.parametrize("arguments", [[], ["a.npy", "--weights", "b.pth"]])
+def test_info_describes_either_a_recording_or_a_file(capsys, arguments):
+    code, out, err = run(capsys, "info", *arguments)
+    assert (code, out) == (2, "")
+    assert err == "give a recording, or --weights with the file of a released encoder.\n"
+
+
+FRAMES = np.random.default_rng(0).normal((70, 95, 110), 1, (12, 120, 160, 3))
+FRAMES = FRAMES.round().astype(np.uint8)
+
+
+@pytest.fixture
+def repeating(tmp_path):
+    path = tmp_path / "clip.npz"
+    np.savez(path, frames=np.repeat(FRAMES, 2, axis=0), fps=25, background=FRAMES[0])
+    return path
+
+
+def test_a_recording_is_examined_in_words(capsys, repeating):
+    code, told, errors = run(capsys, "doctor", repeating)
+    lines = told.splitlines()
+    assert (code, errors) == (0, "")
+    assert lines[0].startswith("fine    frame rate: 25 frames per second")
+    assert "fault   repeated frames: 12 of 24 equal the one before (52.2%)." in lines
+    assert any(line.startswith("note    Shape (24, 120, 160, 3) was taken") for line in lines)
+    assert lines[-1] == "clip.npz: 2 to repair: repeated frames, contrast."
+
+
+def test_a_recording_is_examined_as_json(capsys, repeating):
+    code, told, _ = run(capsys, "doctor", repeating, "--json")
+    facts = json.loads(told)
+    assert code == 0
+    assert facts["source"] == str(repeating)
+    assert facts["faults"] == ["repeated frames", "contrast"]
+    assert set(facts["findings"][0]) == {"subject", "verdict", "measured", "means", "advice"}
+
+
+def test_options_that_a_finding_names_change_it(capsys, repeating):
+    as_bgr = run(capsys, "doctor", repeating, "--json", "--layout", "BGR")[1]
+    assert "colour order" in json.loads(as_bgr)["faults"]
+
+
+def test_what_cannot_be_read_is_told_as_everywhere(capsys, tmp_path):
+    code, told, errors = run(capsys, "doctor", tmp_path / "none.avi")
+    assert (code, told) == (3, "")
+    assert errors == f"{tmp_path / 'none.avi'}: no such file or folder; check the path.\n"
+
+
+def test_a_camera_is_examined_by_its_first_frames(capsys, monkeypatch):
+    def frames():
+        yield from (StreamFrame(one, 0.04 * n, n) for n, one in enumerate(FRAMES))
+
+    monkeypatch.setattr(streams, "open_source", lambda name, fps: frames())
+    facts = json.loads(run(capsys, "doctor", "0", "--json")[1])
+    rate = facts["findings"][0]
+    assert rate["measured"].startswith("25.0 frames per second")
+    assert "repeated frames" not in facts["faults"]
+
+
+def test_without_a_source_the_installation_is_examined(capsys, monkeypatch):
+    monkeypatch.setattr(
+        installation, "find_spec", lambda package: None if package == "rosbags" else object()
+    )
+    monkeypatch.setattr(installation, "_answers", lambda model: installation._extra("track"))
+    told = run(capsys, "doctor")[1]
+    assert told.startswith("fine    versions: geotlm-lm ")
+    assert "limit   extra ros: not installed." in told
+    assert "run `pip install 'geotlm-lm[ros]'`." in told
+    assert told.endswith("the installation: Nothing to repair.\n")
+
+
+def test_the_shipped_model_answers_its_example(answerer):
+    assert installation._answers(None).verdict == "fine"
+
+
+def test_a_bundle_that_is_not_there_is_a_fault(tmp_path):
+    finding = installation._answers(tmp_path)
+    assert (finding.verdict, finding.means) == ("fault", "Nothing is answered.")

@@ -7,7 +7,7 @@ import pytest
 
 from geotlm_lm.answering.loaded import loaded
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.workers import ALONE
+from geotlm_lm.runs.run import ALONE
 from tests.cli import running
 from tests.cli.recorded_touch import Measuring
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set

@@ -1,6 +1,7 @@
 """The command starts fast, says one sentence when called wrongly, and keeps a defect's trace."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -25,51 +26,39 @@ WRONG_CALLS = {
     "unknown flag": (["answer", "--zzz"], "No such option: --zzz; see `geotlm-lm --help`.\n"),
     "no clip": (
         ["answer", "--q", "Which way?"],
-        "Missing option '--clip'; see `geotlm-lm --help`.\n",
+        "Missing argument 'FILE'; see `geotlm-lm --help`.\n",
+    ),
+    "a clip that is given twice": (
+        ["answer", "a.npy", "--clip", "b.npy", "--q", "Which way?"],
+        "FILE and --clip are the same: give one of them.\n",
     ),
     "no question": (
-        ["answer", "--clip", "clip.npy"],
+        ["answer", "clip.npy"],
         "Missing option '--q'; see `geotlm-lm --help`.\n",
     ),
     "empty question": (
-        ["answer", "--clip", "clip.npy", "--q", "  "],
+        ["answer", "clip.npy", "--q", "  "],
         "The question is empty; ask something like 'Which way is it moving?'.\n",
     ),
     "question that is no text": (
-        ["answer", "--clip", "clip.npy", "--q", "which \udcff way"],
+        ["answer", "clip.npy", "--q", "which \udcff way"],
         "The question holds bytes that are no text; give it in UTF-8.\n",
     ),
     "frames without end": (
-        ["info", "--clip", "clip.npy", "--frames", "0:" + "9" * 5000],
+        ["info", "clip.npy", "--frames", "0:" + "9" * 5000],
         f"--frames '0:{'9' * 38}' was given, expected FIRST:LAST such as 40:60.\n",
     ),
     "frames that are no span": (
-        ["info", "--clip", "clip.npy", "--frames", "5"],
+        ["info", "clip.npy", "--frames", "5"],
         "--frames '5' was given, expected FIRST:LAST such as 40:60.\n",
     ),
-    "two kinds of output": (
-        ["simulate", "--clip", "a.npz", "--out", "b"],
-        "Give one of --out (a data set) and --clip (a single clip).\n",
-    ),
-    "a motion for a data set": (
-        ["simulate", "--out", "b", "--motion", "left", "--object", "key"],
-        "--motion and --object cannot go with --out; leave out one of them.\n",
-    ),
-    "a count for one clip": (
-        ["simulate", "--clip", "a.npz", "--count", "5"],
-        "--count cannot go with --clip; leave out one of them.\n",
-    ),
-    "a data set that is forced": (
-        ["simulate", "--out", "b", "--force"],
-        "--force cannot go with --out; leave out one of them.\n",
-    ),
     "no film to force": (
-        ["watch", "--source", "a.npz", "--force"],
+        ["watch", "a.npz", "--force"],
         "--force lets --out and other options replace files; give one of them, or leave it out.\n",
     ),
     "a clip that is no archive": (
-        ["simulate", "--clip", "a.npy"],
-        "--clip a.npy was given, expected a name that ends in .npz.\n",
+        ["simulate-clip", "a.npy"],
+        "OUT a.npy was given, expected a name that ends in .npz.\n",
     ),
 }
 
@@ -83,8 +72,9 @@ def test_a_wrong_call_ends_with_one_sentence_and_code_2(capsys, case):
 @pytest.mark.parametrize(
     "words",
     [
+        "answer --q Which?",
         "answer --q Which? --clip",
-        "batch --questions q.txt --out a.jsonl --clips",
+        "batch --questions q.txt --out a.jsonl",
         "simulate --count 1 --out",
         "bench render --results",
     ],
@@ -120,7 +110,6 @@ def _commands(group):
 
 
 OUTPUTS = {
-    "a clip": ["simulate", "--clip", "{file}/a.npz"],
     "a data set": ["simulate", "--out", "{file}"],
     "a record": ["evaluate", "--out", "{file}/a.json"],
     "a bundle": ["train", "--out", "{file}"],
@@ -148,7 +137,7 @@ def test_a_folder_that_cannot_be_made_is_told_before_any_work(capsys, tmp_path, 
     assert err.startswith(f"--out: nothing can be written in the folder {tmp_path / name} (")
 
 
-@pytest.mark.parametrize("command", ["simulate --clip", "evaluate --out"])
+@pytest.mark.parametrize("command", ["evaluate --out"])
 def test_a_folder_is_no_name_of_a_file(capsys, tmp_path, command):
     folder = tmp_path / "a.npz"
     folder.mkdir()
@@ -163,9 +152,9 @@ def test_a_folder_is_no_name_of_a_file(capsys, tmp_path, command):
 @pytest.mark.parametrize(
     "words",
     [
-        "info --clip clip.npy --fps fast",
-        "simulate --clip a.npz --seed -1",
-        "simulate --clip a.npz --motion spin",
+        "info clip.npy --fps fast",
+        "simulate-clip a.npz --seed -1",
+        "simulate-clip a.npz --motion spin",
         "evaluate --seed -1",
     ],
 )
@@ -187,7 +176,7 @@ def test_each_repairable_error_has_its_own_exit_code(capsys, monkeypatch, error,
         raise error("Found this; do that.")
 
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", fail)
-    assert run(capsys, "info", "--clip", "clip.npy") == (code, "", "Found this; do that.\n")
+    assert run(capsys, "info", "clip.npy") == (code, "", "Found this; do that.\n")
 
 
 def test_ctrl_c_ends_with_code_130(capsys, monkeypatch):
@@ -195,7 +184,7 @@ def test_ctrl_c_ends_with_code_130(capsys, monkeypatch):
         raise KeyboardInterrupt
 
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", interrupt)
-    assert run(capsys, "info", "--clip", "clip.npy") == (130, "", "Stopped.\n")
+    assert run(capsys, "info", "clip.npy") == (130, "", "Stopped.\n")
 
 
 def test_ctrl_c_in_a_command_that_writes_files_says_what_became_of_them(
@@ -207,15 +196,37 @@ def test_ctrl_c_in_a_command_that_writes_files_says_what_became_of_them(
     monkeypatch.setattr("geotlm_lm.recordings.listing.clips_in", interrupt)
     asked = tmp_path / "questions.txt"
     asked.write_text("Which way?\n")
-    assert run(capsys, "batch", "--clips", "a", "--questions", str(asked), "--out", "c") == (
+    assert run(capsys, "batch", "a", "--questions", str(asked), "--out", "c") == (
         130,
         "",
         "Stopped; files already complete are kept.\n",
     )
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "answer {} gone.npy --q Which?",
+        "chat {} gone.npy",
+        "info {} gone.npy",
+        "track {} gone.npy",
+        "watch {} gone.npy",
+        "batch {} gone.npy --questions {questions} --out {questions}.jsonl",
+    ],
+)
+def test_the_option_of_before_means_the_same_as_the_argument(capsys, tmp_path, words):
+    questions = tmp_path / "questions.txt"
+    questions.write_text("Which way?\n")
+    alias = {"watch": "--source", "batch": "--clips"}.get(words.split()[0], "--clip")
+    by_argument, by_option = (
+        run(capsys, *words.format(option, questions=questions).split()) for option in ("", alias)
+    )
+    assert by_argument == by_option
+    assert by_argument[2].startswith("gone.npy: no such ")
+
+
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
-@pytest.mark.parametrize("words", [["--version"], ["info", "--clip", "{clip}"]])
+@pytest.mark.parametrize("words", [["--version"], ["info", "{clip}"]])
 def test_an_output_that_takes_no_more_is_told_in_one_sentence(tmp_path, words):
     np.save(tmp_path / "clip.npy", np.full((4, 48, 64, 3), 100, np.uint8))
     words = [word.format(clip=tmp_path / "clip.npy") for word in words]
@@ -246,7 +257,7 @@ def test_a_defect_keeps_its_trace(monkeypatch, defect):
 
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", break_down)
     with pytest.raises(defect):
-        main_module.main(["info", "--clip", "clip.npy"])
+        main_module.main(["info", "clip.npy"])
 
 
 def test_the_version_is_printed(capsys):
@@ -254,7 +265,7 @@ def test_the_version_is_printed(capsys):
     assert (code, out) == (0, "geotlm-lm 0.1.0\n")
 
 
-COMMANDS = sorted(command.callback.__name__ for command in main_module.app.registered_commands)
+COMMANDS = sorted(set(typer.main.get_command(main_module.app).commands) - {"bench"})
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -273,7 +284,7 @@ def test_a_wrong_path_is_told_before_the_model_is_loaded():
     program = (
         "import sys\n"
         "from geotlm_lm.cli.main import main\n"
-        "try: main(['answer', '--clip', 'gone.npy', '--q', 'Which way?'])\n"
+        "try: main(['answer', 'gone.npy', '--q', 'Which way?'])\n"
         "except SystemExit as stop: print(stop.code)\n"
         "print('torch' in sys.modules)"
     )
@@ -282,15 +293,72 @@ def test_a_wrong_path_is_told_before_the_model_is_loaded():
     assert done.stderr == "gone.npy: no such file or folder; check the path.\n"
 
 
-def options_of(command):
-    """Yield every option of a command, and of those below it."""
-    for below in getattr(command, "commands", {}).values():
-        yield from options_of(below)
-    yield from command.params
+ENDLESS = """
+import sys, time
+from geotlm_lm.cli import main
+def info():
+    try:
+        print("begun", flush=True)
+        time.sleep({seconds})
+    finally:
+        print("closed", flush=True)
+main.app.registered_commands[:] = []
+main.app.command()(info)
+main.main(["info"])
+"""
 
 
-def test_an_option_says_the_same_in_every_command():
-    every = options_of(typer.main.get_command(main_module.app))
-    helps = [one.help for one in every if one.name == "model"]
-    assert len(helps) > 4
-    assert len(set(helps)) == 1
+def test_a_request_to_end_closes_what_is_open_and_ends_of_the_signal():
+    program = [sys.executable, "-c", ENDLESS.format(seconds=60)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(program, **pipes) as running:
+        assert running.stdout.readline() == "begun\n"
+        running.terminate()
+        out, err = running.communicate(timeout=30)
+    assert (running.returncode, out, err) == (-signal.SIGTERM, "closed\n", "Stopped.\n")
+
+
+def test_after_a_command_the_signal_means_what_it_did(capsys):
+    before = signal.getsignal(signal.SIGTERM)
+    with pytest.raises(SystemExit):
+        main_module.main(["--version"])
+    assert capsys.readouterr().out
+    assert signal.getsignal(signal.SIGTERM) is before
+
+
+def test_a_missing_toolkit_ends_with_one_sentence_and_code_7(capsys, monkeypatch):
+    monkeypatch.setitem(sys.modules, "gradio", None)
+    assert run(capsys, "app") == (
+        7,
+        "",
+        "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`.\n",
+    )
+
+
+@pytest.mark.parametrize("is_served", [True, False])
+def test_port_number_format_and_the_wish_to_serve_agents_are_handed_on(
+    capsys, monkeypatch, is_served
+):
+    served = []
+
+    def serve(port, *, mcp, recordings):
+        served.append((port, mcp, recordings))
+
+    monkeypatch.setattr("app.__main__.serve", serve)
+    options = ("--port", "7999", "--recordings", "here")
+    run(capsys, "app", *options, *["--mcp"] * is_served)
+    assert served == [(7999, is_served, Path("here"))]
+
+
+def test_a_port_that_cannot_be_is_a_wrong_call(capsys):
+    code, _, said = run(capsys, "app", "--port", "70000")
+    assert code == 2
+    assert said.startswith("Invalid value for '--port': ")
+
+
+def test_the_page_started_as_a_module_takes_the_same_options():
+    started = subprocess.run(
+        [sys.executable, "-m", "app", "--port", "70000"], capture_output=True, text=True, timeout=60
+    )
+    assert started.returncode == 2
+    assert started.stderr.startswith("Invalid value for '--port': ")

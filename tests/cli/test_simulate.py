@@ -1,4 +1,4 @@
-"""`simulate` writes clips that `info` and `answer` read back."""
+"""`simulate` and `simulate-clip` write what `info` and `answer` read back."""
 
 import json
 
@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
-from geotlm_lm.workers import Workers
 from tests.cli import running
 
 
@@ -17,25 +17,37 @@ def run(capsys):
     return lambda *options: running.run(capsys, "simulate", *options)
 
 
-def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, run):
-    path = tmp_path / "folder" / "clip.npz"
+@pytest.fixture
+def run_clip(capsys):
+    """Run `simulate-clip` with a file and some options."""
+    return lambda *options: running.run(capsys, "simulate-clip", *options)
+
+
+def label_in(path):
+    with np.load(path) as stored:
+        return json.loads(str(stored["label"]))
+
+
+def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, run, run_clip):
+    path, again = tmp_path / "folder" / "clip.npz", tmp_path / "again.npz"
     options = ("--motion", "left", "--object", "key", "--seed", 3)
-    assert run("--clip", path, *options)[:2] == (0, f"{path}\n")
+    assert run_clip(path, *options)[:2] == (0, f"{path}\n")
     clip = read_clip(path)
     assert clip.frames.shape == (4, 224, 224, 3)
     assert clip.background is not None
     assert not [note for note in clip.notes if "squashed" in note]  # it knows its own camera
-    label = json.loads(str(np.load(path)["label"]))
-    assert label["motion"] == "left"
-    assert label["object"] == "key"
+    assert (label_in(path)["motion"], label_in(path)["object"]) == ("left", "key")
+    # The wording of before the two commands were apart.
+    assert run("--clip", again, *options)[0] == run(f"--clip={again}", *options, "--force")[0] == 0
+    assert again.read_bytes() == path.read_bytes()
 
 
-def test_one_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(tmp_path, run):
+def test_a_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(tmp_path, run_clip):
     moves = ("--turn", 20, "--slide-right", 0.8, "--slide-down", -0.2, "--press", 0.1)
-    assert run("--clip", tmp_path / "a.npz", *moves)[0] == 0
+    assert run_clip(tmp_path / "a.npz", *moves)[0] == 0
     pivot = ("--turn", -20, "--pivot-right", 3, "--depth", 0.8, "--markers", "--object", "coin")
-    assert run("--clip", tmp_path / "b.npz", *pivot)[0] == 0
-    labels = [json.loads(str(np.load(tmp_path / name)["label"])) for name in ("a.npz", "b.npz")]
+    assert run_clip(tmp_path / "b.npz", *pivot)[0] == 0
+    labels = [label_in(tmp_path / name) for name in ("a.npz", "b.npz")]
     twists = [
         (
             label["rotation_deg"],
@@ -51,140 +63,98 @@ def test_one_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(t
     assert twists[1] == pytest.approx(expected, abs=0.03)
 
 
-@pytest.fixture
-def refused(run):
-    """Run what is refused as a wrong call; return what is told."""
-
-    def told(*options):
-        code, _, err = run(*options)
-        assert code == 2
-        return err
-
-    return told
-
-
 @pytest.mark.parametrize(
     ("options", "sentence"),
     [
         (("--turn", 20, "--motion", "left"), "--turn cannot go with --motion; leave out"),
         (("--turn", 61), "--turn is 61, expected -60 to 60."),
         (("--turn", "nan"), "--turn is nan, expected -60 to 60."),
-        (("--slide-down", -5.5), "--slide-down is -5.5, expected -5 to 5."),
         (("--press", 2, "--depth", 1), "A press by 2 mm about a depth of 1 mm goes from 0 to 2 mm"),
         (("--pivot-down", 1, "--press", 0.3), "--pivot-right and --pivot-down say where the axis"),
-        (("--mixed", 0.5), "--mixed cannot go with --clip; leave out one of them."),
+        (("--mixed", 0.5), "No such option: --mixed"),
+        (("--labels-only",), "No such option: --labels-only"),
+        (("--object", "unicorn"), "There is no shape 'unicorn', expected one of arc, "),
+        (("--object", ""), "There is no shape '', expected one of arc, "),
+        (("--mm-per-px", 0.1), "--mm-per-px and --relief-mm say how to read a --height-map"),
+        (("--height-map", "star.npy"), "--height-map needs --mm-per-px"),
+        (
+            ("--height-map", "star.npy", "--mm-per-px", 0.1, "--object", "key"),
+            "--object and --height-map both name the object",
+        ),
     ],
 )
-def test_a_movement_that_cannot_be_made_is_told_in_a_sentence(tmp_path, refused, options, sentence):
-    told = refused("--clip", tmp_path / "a.npz", *options)
-    assert told.startswith(sentence)
-    assert told.count("\n") == 1
+def test_what_cannot_be_simulated_is_one_sentence(tmp_path, run_clip, options, sentence):
+    code, _, printed = run_clip(tmp_path / "new" / "a.npz", *options)
+    assert code == 2
+    assert printed.startswith(sentence)
+    assert printed.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_data_set_of_mixed_clips_says_what_counts_in_them(tmp_path, run, refused):
-    asked = ("--out", tmp_path, "--count", 12, "--preset", "draft", "--labels-only")
-    assert run(*asked, "--mixed", 1, "--workers", 1)[0] == 0
-    assert json.loads((tmp_path / "dataset.json").read_text())["mixed_share"] == 1
-    card = (tmp_path / "README.md").read_text()
-    rows = [line.split(" | ") for line in card.splitlines()]
-    told = {row[0].strip("| "): row[1:4] for row in rows if len(row) == 5}
-    for component in ("turn", "slide", "press"):
-        assert sum(map(int, told[component])) == 12
-    assert int(told["turn"][0]) > 2
-    assert "holds another data set" in refused(*asked)
-    assert "--turn cannot go with --out" in refused("--out", tmp_path, "--turn", 3)
-
-
-@pytest.mark.parametrize("name", ["unicorn", ""])
-def test_an_unknown_shape_is_refused_with_the_known_ones(tmp_path, refused, name):
-    sentence = refused("--clip", tmp_path / "new" / "a.npz", "--object", name)
-    assert list(tmp_path.iterdir()) == []
-    assert sentence.startswith(f"There is no shape '{name}', expected one of ")
-    assert " key," in sentence
-    assert sentence.count("\n") == 1
-
-
-def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, run):
-    folder = tmp_path / "set"
-    code, out, err = run("--out", folder, "--count", 2, "--objects", "everyday")
-    assert (code, out) == (0, f"{folder}\n")
-    assert err.splitlines()[-1] == "simulated: 2 of 2 clips"
-    assert (folder / "README.md").exists()
-
-
-def test_no_file_is_replaced_unless_that_is_asked_for(tmp_path, run):
-    path, frames = tmp_path / "clip.npz", np.zeros((4, 32, 32, 3), np.uint8)
-    draft = ("--clip", path, "--preset", "draft")
-    assert run(*draft)[0] == 0
+def test_no_file_is_replaced_unless_that_is_asked_for(tmp_path, run_clip):
+    path = tmp_path / "clip.npz"
+    draft = (path, "--preset", "draft")
+    assert run_clip(*draft)[0] == 0
     simulated = path.read_bytes()
-    assert run(*draft, "--seed", 1)[0] == 2
-    assert path.read_bytes() == simulated
-    for content in ({"frames": frames}, {"frames": frames, "label": 1, "mine": 2}):
-        np.savez(path, **content)
-        own = path.read_bytes()
-        assert run(*draft) == (
-            2,
-            "",
-            f"--clip: {path} is there already and would be replaced, expected a new name; give "
-            f"one, or --force to replace the file.\n",
-        )
-        assert path.read_bytes() == own
-    assert run(*draft, "--force")[0] == 0
-    assert path.read_bytes() == simulated
-
-
-def test_the_card_of_a_data_set_replaces_no_other_file(tmp_path, refused):
-    (tmp_path / "README.md").write_text("about my project")
-    assert "has a README.md of something else" in refused(
-        "--out", tmp_path, "--count", 1, "--preset", "draft"
+    np.savez(path, frames=np.zeros((4, 32, 32, 3), np.uint8))
+    own = path.read_bytes()
+    assert run_clip(*draft) == (
+        2,
+        "",
+        f"OUT: {path} is there already and would be replaced, expected a new name; give one, or "
+        f"--force to replace the file.\n",
     )
-    assert (tmp_path / "README.md").read_text() == "about my project"
+    assert path.read_bytes() == own
+    assert run_clip(*draft, "--force")[0] == 0
+    assert path.read_bytes() == simulated
 
 
-def test_a_height_map_of_ones_own_is_pressed(tmp_path, run, refused):
+def test_a_height_map_of_ones_own_is_pressed(tmp_path, run_clip):
     axis = (np.arange(60) - 29.5) * 0.1
     np.save(tmp_path / "star.npy", 0.5 * np.cos(3 * np.arctan2(*np.meshgrid(axis, axis))))
     path, mine = tmp_path / "clip.npz", ("--height-map", tmp_path / "star.npy")
-    assert run("--clip", path, *mine, "--mm-per-px", 0.1, "--drift")[0] == 0
-    with np.load(path) as stored:
-        assert json.loads(str(stored["label"]))["object"] == "star"
-        assert stored["drift_px"].shape == (4, 14, 14, 2)
-    assert "--height-map needs --mm-per-px" in refused("--clip", path, *mine)
-    assert "both name the object" in refused(
-        "--clip", path, *mine, "--mm-per-px", 0.1, "--object", "key"
-    )
-    assert "--height-map" in refused("--clip", path, "--mm-per-px", 0.1)
-    assert run("--out", tmp_path / "set", *mine)[0] == 2
+    assert run_clip(path, *mine, "--mm-per-px", 0.1, "--drift")[0] == 0
+    assert label_in(path)["object"] == "star"
+    assert np.load(path)["drift_px"].shape == (4, 14, 14, 2)
 
 
-def test_markers_are_printed_on_the_same_touch(tmp_path, run):
+def test_markers_are_printed_on_the_same_touch(tmp_path, run_clip):
     for name, options in (("bare.npz", ()), ("marked.npz", ("--markers",))):
-        run("--clip", tmp_path / name, "--preset", "draft", "--drift", *options)
+        run_clip(tmp_path / name, "--preset", "draft", "--drift", *options)
     bare, marked = (np.load(tmp_path / name) for name in ("bare.npz", "marked.npz"))
     assert str(bare["label"]) == str(marked["label"])
     assert (marked["background"] < bare["background"]).mean() > 0.03
 
 
-def test_a_data_set_says_that_its_gels_are_marked_and_is_not_continued_without(
-    tmp_path, run, refused
-):
-    asked = ("--out", tmp_path / "set", "--count", 1, "--preset", "draft")
-    assert run(*asked, "--markers")[0] == 0
-    assert json.loads((tmp_path / "set" / "dataset.json").read_text())["marker_share"] == 1
-    assert "holds another data set" in refused(*asked)
-
-
-def test_labels_only_writes_no_pictures_and_goes_with_a_data_set_only(tmp_path, run, refused):
+def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, run):
     folder = tmp_path / "set"
-    options = ("--count", 2, "--objects", "everyday", "--preset", "draft", "--labels-only")
-    assert run("--out", folder, *options)[0] == 0
-    with np.load(folder / "shard-00000.npz") as stored:
-        assert "labels" in stored
+    options = ("--out", folder, "--count", 2, "--preset", "draft")
+    code, out, err = run(*options, "--objects", "everyday", "--markers")
+    assert (code, out) == (0, f"{folder}\n")
+    assert err.splitlines()[-1] == "simulated: 2 of 2 clips"
+    assert (folder / "README.md").exists()
+    assert json.loads((folder / "dataset.json").read_text())["marker_share"] == 1
+    assert "holds another data set" in run(*options, "--objects", "everyday")[2]
+
+
+def test_a_data_set_of_mixed_clips_says_what_counts_in_them(tmp_path, run):
+    asked = ("--out", tmp_path, "--count", 12, "--preset", "draft", "--labels-only")
+    assert run(*asked, "--mixed", 1, "--workers", 1)[0] == 0
+    rows = [line.split(" | ") for line in (tmp_path / "README.md").read_text().splitlines()]
+    counted = {row[0].strip("| "): row[1:4] for row in rows if len(row) == 5}
+    for component in ("turn", "slide", "press"):
+        assert sum(map(int, counted[component])) == 12
+    assert int(counted["turn"][0]) > 2
+    with np.load(tmp_path / "shard-00000.npz") as stored:
         assert "frames" not in stored
-    assert "--labels-only cannot go with --clip" in refused(
-        "--clip", tmp_path / "a.npz", "--labels-only"
-    )
+
+
+def test_the_card_of_a_data_set_replaces_no_other_file(tmp_path, run):
+    (tmp_path / "README.md").write_text("about my project")
+    code, _, printed = run("--out", tmp_path, "--count", 1, "--preset", "draft")
+    assert code == 2
+    assert "has a README.md of something else" in printed
+    assert (tmp_path / "README.md").read_text() == "about my project"
 
 
 def test_who_simulates_is_handed_on(tmp_path, run, monkeypatch):

@@ -2,15 +2,21 @@
 
 import csv
 import json
+import time
+from contextlib import contextmanager
+from types import SimpleNamespace
+from urllib.error import URLError
+from urllib.request import urlopen
 
 import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import policy
 from geotlm_lm.recordings import video as videos
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track import export
+from geotlm_lm.track.rerun_log import log_clip, rerun_recording, viewer
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, Measuring, saved_touch
@@ -218,7 +224,7 @@ CAPTURE = cv2.VideoCapture
 def test_frames_of_an_uneven_video_have_their_own_times(capsys, tmp_path, monkeypatch, kept):
     write_video(tmp_path / "c.avi")
     monkeypatch.setattr(videos.cv2, "VideoCapture", Uneven)
-    monkeypatch.setattr(limits, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
     code, out, err = run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
     rows = list(csv.DictReader((tmp_path / "t.csv").open()))
     times = np.concatenate([[0], np.cumsum(STEPS_S)])[: len(CLIP)]
@@ -231,11 +237,83 @@ def test_frames_of_an_uneven_video_have_their_own_times(capsys, tmp_path, monkey
     assert err.count("No frame came for 0.40 s before frame 41") == 1
 
 
-def test_a_video_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
-    capsys, tmp_path, monkeypatch
-):
-    write_video(tmp_path / "c.avi")
-    monkeypatch.setattr(limits, "KEPT_BYTES", 20 * CLIP.frames[0].nbytes)
-    assert len(videos.read_video(tmp_path / "c.avi")) < 21
-    run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
-    assert len((tmp_path / "t.csv").read_text().splitlines()) == 1 + len(CLIP)
+def logged(path):
+    """Return how many rows a recording holds of each entity."""
+    chunks = pytest.importorskip("rerun.chunk", reason="needs rerun-sdk, of the extra rerun")
+    found = {}
+    for chunk in chunks.RrdReader(path).stream():
+        found[chunk.entity_path] = found.get(chunk.entity_path, 0) + chunk.num_rows
+    return found
+
+
+def test_a_track_is_written_for_the_viewer(capsys, path, tmp_path):
+    target = tmp_path / "t.rrd"
+    code, out, _ = run(capsys, path, "--rerun", target, "--frames", "20:60")
+    found = logged(target)
+    assert code == 0
+    assert (found["/camera/image"], found["/camera/turn"]) == (41, 41)
+    assert found["/events"] == sum(" s  " in line for line in out.splitlines())
+    assert "/answer" not in found
+    code, _, err = run(capsys, path, "--rerun", target)
+    assert (code, err.startswith(f"--rerun: {target} is there already")) == (2, True)
+    code, _, err = run(capsys, path, "--rerun", tmp_path / "t.txt")
+    assert err.endswith("expected a name that ends in .rrd.\n")
+
+
+def test_an_answer_is_written_with_what_it_rests_on(capsys, path, tmp_path, answerer, monkeypatch):
+    monkeypatch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: answerer)
+    asked = ("--q", "Which way is it turning?")
+    code, *_ = running.run(capsys, "answer", path, *asked, "--rerun", tmp_path / "a.rrd")
+    found = logged(tmp_path / "a.rrd")
+    assert code == 0
+    assert (found["/camera/image"], found["/answer"]) == (len(CLIP), 1)
+    assert found["/events"] > 3
+    np.savez(tmp_path / "four.npz", frames=CLIP.frames[[0, 30, 36, 42]], fps=CLIP.fps)
+    target = tmp_path / "four.rrd"
+    running.run(capsys, "answer", tmp_path / "four.npz", *asked, "--rerun", target)
+    found = logged(target)
+    assert (found["/camera/image"], found["/answer"]) == (4, 1)
+    assert "/turn/deg" not in found
+
+
+@pytest.mark.slow
+def test_a_recording_is_served_to_this_machine_until_it_is_stopped(tmp_path, monkeypatch):
+    pytest.importorskip("rerun", reason="needs rerun-sdk, of the extra rerun")
+    # Of what is its first session, to a home of its own, the viewer sends no usage data.
+    for name in ("HOME", "XDG_CONFIG_HOME", "XDG_DATA_HOME"):
+        monkeypatch.setenv(name, str(tmp_path / "home"))
+    with rerun_recording(tmp_path / "t.rrd") as stream:
+        log_clip(stream, CLIP.select([0, 40]))
+    with viewer(tmp_path / "t.rrd") as (address, running):
+        assert running.poll() is None
+        page = opened(address)
+    assert b"<html" in page.lower()
+    assert running.poll() is not None
+    with pytest.raises(URLError):
+        urlopen(address, timeout=10)
+
+
+def opened(address, until_s=60):
+    deadline = time.monotonic() + until_s
+    while True:
+        try:
+            return urlopen(address, timeout=10).read()
+        except URLError:
+            if time.monotonic() > deadline:
+                raise
+            time.sleep(0.2)
+
+
+def test_serve_shows_what_would_be_written(capsys, path, tmp_path, monkeypatch):
+    seen = []
+
+    @contextmanager
+    def watched(file):
+        seen.append(logged(file))
+        yield "http://there", SimpleNamespace(wait=lambda: None)
+
+    monkeypatch.setattr("geotlm_lm.track.rerun_log.viewer", watched)
+    code, out, err = run(capsys, path, "--rerun", "serve")
+    assert (code, seen[0]["/camera/image"]) == (0, len(CLIP))
+    assert "degrees clockwise" in out
+    assert "Rerun's viewer is at http://there until Ctrl-C.\n" in err

@@ -11,11 +11,10 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, Stalled, UnreadableClip
-from geotlm_lm.recordings import latest_frames, streams
+from geotlm_lm.recordings import streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
-from tests.track.test_idle_tracker import gel, touched
 
 
 class Asked:
@@ -49,7 +48,7 @@ def run(capsys, *arguments):
 
 
 def test_it_prints_the_table_that_track_prints_and_the_account_to_stderr(capsys, recording):
-    code, out, err = run(capsys, "--source", recording)
+    code, out, err = run(capsys, recording)
     head, *events = out[: out.index("\n\n")].splitlines()
     whole = running.run(capsys, "track", recording)[1].splitlines()
     assert (code, head) == (0, whole[0])
@@ -63,7 +62,7 @@ def test_it_prints_the_table_that_track_prints_and_the_account_to_stderr(capsys,
 
 
 def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recording):
-    *events, account = map(json.loads, run(capsys, "--source", recording, "--json")[1].splitlines())
+    *events, account = map(json.loads, run(capsys, recording, "--json")[1].splitlines())
     assert {one["type"] for one in events} == {"event"}
     turn, back = (one for one in events if one["event"] == "turn")
     assert (turn["way"], back["way"]) == ("clockwise", "counterclockwise")
@@ -75,7 +74,7 @@ def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recor
 def test_it_writes_the_files_that_track_writes(capsys, recording, tmp_path):
     files = {"--out": "t.csv", "--plot": "t.png", "--video": "new/t.mp4"}
     options = [part for option, name in files.items() for part in (option, tmp_path / name)]
-    assert run(capsys, "--source", recording, "--mm-per-px", 0.06, *options)[0] == 0
+    assert run(capsys, recording, "--mm-per-px", 0.06, *options)[0] == 0
     rows = list(csv.DictReader((tmp_path / "t.csv").open()))
     assert [int(row["frame"]) for row in rows] == list(range(len(CLIP)))
     assert float(rows[50]["turn_deg"]) == pytest.approx(30, rel=0.25)
@@ -105,7 +104,7 @@ def test_what_was_tracked_is_told_and_written_where_it_is_stopped_or_unplugged(
 
     monkeypatch.setattr(streams.Recording, "__iter__", stopping)
     out, video = tmp_path / "t.csv", tmp_path / "t.mp4"
-    found = run(capsys, "--source", recording, "--out", out, "--video", video)
+    found = run(capsys, recording, "--out", out, "--video", video)
     assert found[0] == code
     assert "turn clockwise" in found[1]
     assert found[2].endswith(said)
@@ -114,7 +113,7 @@ def test_what_was_tracked_is_told_and_written_where_it_is_stopped_or_unplugged(
 
 
 def test_a_question_is_asked_about_each_motion_that_ends(capsys, recording):
-    lines = run(capsys, "--source", recording, "--q", "Where?", "--json")[1].splitlines()[:-1]
+    lines = run(capsys, recording, "--q", "Where?", "--json")[1].splitlines()[:-1]
     events = list(map(json.loads, lines))
     turn, back = (one for one in events if one["event"] == "turn")
     frames = turn["end"] - turn["begin"] + 1
@@ -127,25 +126,16 @@ def test_a_question_is_asked_about_each_motion_that_ends(capsys, recording):
     assert not any("answer" in one for one in still)
 
 
-def test_a_recording_without_an_untouched_gel_says_so(capsys, tmp_path):
-    frames = gel()
-    turning = [np.roll(touched(next(frames)), 2 * number, axis=1) for number in range(30)]
-    np.savez(tmp_path / "turning.npz", frames=np.stack(turning), fps=25.0)
-    code, out, err = run(capsys, "--source", tmp_path / "turning.npz")
-    assert (code, out) == (0, "Nothing touches in the recording.\n")
-    assert "note: No untouched gel was seen, so nothing could be tracked; start while " in err
-
-
 def test_a_rate_that_is_assumed_is_told_and_can_be_given(capsys, tmp_path):
     path = tmp_path / "clip.npy"
     np.save(path, CLIP.frames[:8])
     note = f"note: {path} at {{}}"
-    assert run(capsys, "--source", path)[2].startswith(
+    assert run(capsys, path)[2].startswith(
         note.format("25 frames per second, as is assumed; give the rate by --fps.\n")
     )
-    given = run(capsys, "--source", path, "--fps", 50)[2]
+    given = run(capsys, path, "--fps", 50)[2]
     assert given.startswith(note.format("50 frames per second.\n"))
-    assert run(capsys, "--source", path, "--fps", 0)[0] == 2
+    assert run(capsys, path, "--fps", 0)[0] == 2
 
 
 @pytest.mark.parametrize("forced", [(), ("--force",)])
@@ -153,7 +143,7 @@ def test_a_video_never_replaces_the_recording(capsys, tmp_path, forced):
     own = tmp_path / "own.mp4"
     own.write_bytes(b"a recording")
     (tmp_path / "link.mp4").symlink_to(own)
-    assert run(capsys, "--source", own, "--video", tmp_path / "link.mp4", *forced) == (
+    assert run(capsys, own, "--video", tmp_path / "link.mp4", *forced) == (
         2,
         "",
         f"--video: {tmp_path / 'link.mp4'} is read by this command and would be replaced, expected "
@@ -163,7 +153,7 @@ def test_a_video_never_replaces_the_recording(capsys, tmp_path, forced):
 
 
 def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
-    code, out, err = run(capsys, "--source", "97")
+    code, out, err = run(capsys, "97")
     assert (code, out) == (7, "")
     assert err.startswith("Camera 97 does not open (")
     assert err.count("\n") == 1
@@ -171,24 +161,24 @@ def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
 
 def test_a_missing_recording_ends_with_code_3_and_leaves_no_folder_behind(capsys, tmp_path):
     drawing = tmp_path / "new" / "out.mp4"
-    code, out, err = run(capsys, "--source", "gone.avi", "--video", drawing)
+    code, out, err = run(capsys, "gone.avi", "--video", drawing)
     assert (code, out, err) == (3, "", "gone.avi: no such file or folder; check the path.\n")
     assert not drawing.parent.exists()
 
 
 def test_a_question_that_cannot_be_asked_is_told_before_the_source_is_opened(capsys):
     sentence = "The question is empty; ask something like 'Which way is it moving?'.\n"
-    assert run(capsys, "--source", "gone.avi", "--q", " ") == (2, "", sentence)
+    assert run(capsys, "gone.avi", "--q", " ") == (2, "", sentence)
 
 
 def test_a_grey_array_is_watched_with_its_layout(capsys, tmp_path):
     path = tmp_path / "grey.npy"
     np.save(path, CLIP.frames[:12, ..., 0])
-    code, _, err = run(capsys, "--source", path)
+    code, _, err = run(capsys, path)
     assert (code, err.count("pass --layout THW")) == (3, 1)
-    code, _, err = run(capsys, "--source", path, "--layout", "THW")
+    code, _, err = run(capsys, path, "--layout", "THW")
     assert (code, "12 frames" in err) == (0, True)
-    assert run(capsys, "--source", "recording.avi", "--layout", "HW")[0] == 2
+    assert run(capsys, "recording.avi", "--layout", "HW")[0] == 2
 
 
 @pytest.mark.parametrize(("options", "columns"), [((), 224), (("--square-pixels",), 223)])
@@ -212,7 +202,7 @@ def test_frames_of_224_pixels_are_taken_as_asked(
         return feed(self, frame, *rest)
 
     monkeypatch.setattr(Tracker, "feed", fed)
-    assert run(capsys, "--source", tmp_path / name, *options)[0] == 0
+    assert run(capsys, tmp_path / name, *options)[0] == 0
     assert widths == {columns}
 
 
@@ -248,8 +238,8 @@ class Waiting:
 @pytest.fixture
 def plugged_in(monkeypatch):
     """Return a function that plugs a camera in; patience with it is short."""
-    monkeypatch.setattr(latest_frames, "SILENT_S", 0.01)
-    monkeypatch.setattr(latest_frames, "THREAD_END_S", 0.01)
+    monkeypatch.setattr(streams, "SILENT_S", 0.01)
+    monkeypatch.setattr(streams, "THREAD_END_S", 0.01)
     with ExitStack() as cameras:
 
         def plug_in(frames):
@@ -263,7 +253,7 @@ def plugged_in(monkeypatch):
 def test_a_camera_that_stalls_is_told_and_ends_with_what_was_tracked(capsys, tmp_path, plugged_in):
     plugged_in(CLIP.frames[:20, ..., ::-1])
     table = tmp_path / "t.csv"
-    given = ("--source", 0, "--stalled-after", 0.2, "--out", table, "--json")
+    given = (0, "--stalled-after", 0.2, "--out", table, "--json")
     code, out, err = run(capsys, *given)
     assert code == Stalled.exit_code == 8
     (account,) = map(json.loads, out.splitlines())
@@ -276,22 +266,22 @@ def test_a_camera_that_stalls_is_told_and_ends_with_what_was_tracked(capsys, tmp
 
 def test_a_camera_that_never_gives_a_frame_ends_too(capsys, plugged_in):
     plugged_in([])
-    code, out, err = run(capsys, "--source", "/dev/video9", "--stalled-after", 0.05)
+    code, out, err = run(capsys, "/dev/video9", "--stalled-after", 0.05)
     assert (code, out) == (8, "")
     assert err.startswith("note: No frame of /dev/video9 for 0.01 s.\n")
 
 
 @pytest.mark.parametrize("stalled_after", [0, -1, "nan"])
 def test_patience_that_makes_no_sense_is_told(capsys, stalled_after):
-    code, out, err = run(capsys, "--source", 0, "--stalled-after", stalled_after)
+    code, out, err = run(capsys, 0, "--stalled-after", stalled_after)
     assert (code, out) == (2, "")
     assert err.endswith("expected more than 0 seconds; leave it out for 10, or give inf to wait "
                         "without end.\n")  # fmt: skip
 
 
 def test_a_recording_may_pause_for_as_long_as_it_likes(capsys, recording, monkeypatch):
-    monkeypatch.setattr(latest_frames, "SILENT_S", 0.001)
-    given = ("--source", recording, "--at-its-rate", "--fps", 1e3, "--stalled-after", 1e-9)
+    monkeypatch.setattr(streams, "SILENT_S", 0.001)
+    given = (recording, "--at-its-rate", "--fps", 1e3, "--stalled-after", 1e-9)
     code, _, err = run(capsys, *given)
     assert code == 0
     assert "No frame" not in err
@@ -300,14 +290,14 @@ def test_a_recording_may_pause_for_as_long_as_it_likes(capsys, recording, monkey
 @pytest.mark.parametrize(("level", "kind"), [(0, "black"), (90, "all the same")])
 def test_a_camera_that_shows_nothing_any_more_is_told(capsys, plugged_in, monkeypatch, level, kind):
     plugged_in([*CLIP.frames[:5], *np.full_like(CLIP.frames[:30], level)])
-    monkeypatch.setattr(latest_frames, "SILENT_S", 1e-9)
-    err = run(capsys, "--source", 0, "--stalled-after", 0.2)[2]
+    monkeypatch.setattr(streams, "SILENT_S", 1e-9)
+    err = run(capsys, 0, "--stalled-after", 0.2)[2]
     assert f"note: The camera's frames have been {kind} for " in err
 
 
 def test_a_pipe_is_not_waited_for(capsys, tmp_path):
     os.mkfifo(tmp_path / "pipe.mp4")
-    code, _, err = run(capsys, "--source", tmp_path / "pipe.mp4")
+    code, _, err = run(capsys, tmp_path / "pipe.mp4")
     assert (code, err) == (
         3,
         f"{tmp_path / 'pipe.mp4'}: is not a regular file; give a recording.\n",

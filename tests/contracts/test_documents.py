@@ -28,7 +28,7 @@ PRINTED = re.compile(r"^ *print\(.*\)  # (.+)$", re.MULTILINE)
 
 ONLY_CHECKED = {
     "geotlm-lm app": "serves until it is stopped; tests/journeys asks such a server",
-    "geotlm-lm watch --source 0": "needs a camera",
+    "geotlm-lm watch 0": "needs a camera",
     "geotlm-lm doctor 0": "needs a camera",
     "geotlm-lm train": "trains for minutes or hours",
     "geotlm-lm evaluate": "measures for minutes, on data that is not part of the repository",
@@ -36,10 +36,10 @@ ONLY_CHECKED = {
     "geotlm-lm info --weights": "describes a file that only its authors release",
     "geotlm-lm label": "needs a robot's data set; tests/data_sets writes one and labels it",
     "geotlm-lm track robot": "likewise",
-    "geotlm-lm answer --clip robot": "likewise",
-    "geotlm-lm batch --clips robot": "likewise",
+    "geotlm-lm answer robot": "likewise",
+    "geotlm-lm batch robot": "likewise",
     "geotlm-lm track recording.mov --rerun": "needs the extra rerun; tests/track and tests/cli do",
-    "geotlm-lm answer --clip recording.mov --rerun": "needs the extra rerun; tests/cli has it",
+    "geotlm-lm answer recording.mov --rerun": "needs the extra rerun; tests/cli has it",
     "geotlm-lm manifest": "needs a data set's pictures",
 }
 """Beginning of a command of ours -> why it is not run here."""

@@ -9,20 +9,18 @@ from pathlib import Path
 import pytest
 
 import geotlm_lm
-from geotlm_lm.core.resources import resource_dir
+from geotlm_lm.core.files import resource_dir
 
 PACKAGE = Path(geotlm_lm.__file__).parent
 
 LEVELS = (
     {"core"},
-    {"alignment", "local_pool", "cluster"},
-    {"workers"},
+    {"alignment", "runs"},
     {"simulation", "recordings", "backbone", "dgr", "probe", "language"},
     {"model", "data", "views", "motion"},
     {"track"},
     {"query"},
     {"checkpoint"},
-    {"precision"},
     {"answering", "training"},
     {"benchmarks", "data_sets", "reference_readings", "doctor"},
     {"cli"},

@@ -1,6 +1,6 @@
 """Lean by construction: what a question or a command does not need does not run and is not loaded.
 
-The scenes' counterpart is in tests/simulation/test_stages.py.
+The scenes' counterpart is in tests/simulation/test_simulate.py.
 """
 
 import ast

@@ -56,9 +56,23 @@ def test_nothing_but_the_package_lands_at_the_top(wheel):
 def test_every_resource_is_found_inside_the_installed_package(installed, tmp_path, folder):
     if folder == "bundle" and not (ROOT / "geotlm_lm" / "bundle").is_dir():
         pytest.skip("this checkout holds no trained bundle")
-    program = f"from geotlm_lm.core.resources import resource_dir as r; print(r({folder!r}))"
+    program = f"from geotlm_lm.core.files import resource_dir as r; print(r({folder!r}))"
     done = run_in_empty_folder(installed, tmp_path, "-c", program)
     assert done.stdout.strip() == str(installed / "geotlm_lm" / folder), done.stderr
+
+
+@CHECKOUT
+def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_path):
+    with zipfile.ZipFile(wheel) as archive:
+        names = [name for name in archive.namelist() if "/data_templates/" in name]
+    assert {Path(name).name for name in names} == {"quantities.toml", "replies.toml"}
+    command = ["-m", "geotlm_lm", "train", "--preset", "smoke", "--out", "run"]
+    done = run_in_empty_folder(installed, tmp_path, *command)
+    assert (done.returncode, done.stderr.splitlines()[-1]) == (
+        7,
+        "The wordings that training reads are part of the repository, not of the installed "
+        "package; run this from a checkout.",
+    )
 
 
 @CHECKOUT

@@ -36,9 +36,20 @@ def test_frames_of_another_form_are_refused(frames, sentence):
     assert str(caught.value) == sentence
 
 
-def test_a_background_of_another_size_is_refused():
-    with pytest.raises(UnreadableClip, match="the background has shape"):
-        Clip(FRAMES, background=FRAMES[0, 1:])
+@pytest.mark.parametrize(
+    ("background", "sentence"),
+    [
+        (
+            FRAMES[0, 1:],
+            "(8, 9, 3); give an idle frame of the same size.",
+        ),
+        (FRAMES[0] / 255, "float64, expected uint8 as the frames are; convert the array first."),
+    ],
+)
+def test_a_background_of_another_form_is_refused(background, sentence):
+    with pytest.raises(UnreadableClip) as caught:
+        Clip(FRAMES, background=background)
+    assert str(caught.value).endswith(sentence)
 
 
 @pytest.mark.parametrize("fps", [0, -1.0, float("nan"), float("inf")])
@@ -48,7 +59,7 @@ def test_a_senseless_frame_rate_counts_as_unknown_and_is_told_once(fps):
     )
     assert Clip(FRAMES, fps=fps).fps is None
     assert Clip(FRAMES, fps=fps).select([0, 1]).notes == (note,)
-    assert Clip(FRAMES, fps=25).notes == Clip(FRAMES).notes == ()
+    assert Clip(FRAMES, fps=np.array(25.0)).notes == Clip(FRAMES).notes == ()
 
 
 @pytest.mark.parametrize(
@@ -57,11 +68,6 @@ def test_a_senseless_frame_rate_counts_as_unknown_and_is_told_once(fps):
         (
             {"frames": list(FRAMES)},
             "Clip takes one numpy array of frames, found list; stack them by np.stack(frames), or "
-            "read a file by read_clip(path)",
-        ),
-        (
-            {"frames": "clip.npz"},
-            "Clip takes one numpy array of frames, found str; stack them by np.stack(frames), or "
             "read a file by read_clip(path)",
         ),
         (
@@ -79,10 +85,6 @@ def test_what_is_no_array_and_no_number_is_refused_with_what_to_give(given, sent
     with pytest.raises(TypeError) as caught:
         Clip(**given)
     assert str(caught.value) == sentence
-
-
-def test_a_frame_rate_may_be_an_archives_array_without_axes():
-    assert Clip(FRAMES, fps=np.array(25.0)).fps == 25.0
 
 
 def test_selected_frames_keep_where_they_stood():
@@ -103,15 +105,6 @@ def test_frames_cannot_be_written_to_and_the_array_they_came_in_can():
     with pytest.raises(ValueError, match="read-only"):
         clip.frames[0, 0, 0, 0] = 1
     array[0, 0, 0, 0] = 1
-
-
-def test_a_background_that_is_no_uint8_is_refused():
-    with pytest.raises(UnreadableClip) as caught:
-        Clip(FRAMES, background=FRAMES[0] / 255)
-    assert str(caught.value) == (
-        "clip: the background is float64, expected uint8 as the frames are; "
-        "convert the array first."
-    )
 
 
 def test_every_frame_has_one_number():

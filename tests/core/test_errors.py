@@ -15,11 +15,6 @@ def test_line_breaks_and_control_characters_become_blanks():
     assert str(GeoTLMError("a\nb\x00c\x1b[31md\u202ee")) == "a b c [31md e"
 
 
-def test_bytes_that_are_no_text_are_marked():
-    name = b"clip\xff.npy".decode("utf-8", "surrogateescape")
-    assert str(GeoTLMError(f"{name}: is empty.")) == "clip\ufffd.npy: is empty."
-
-
 def test_what_to_do_is_still_said_at_the_end_of_a_long_one():
     said = str(GeoTLMError(f"columns {'x' * 5000}; give another."))
     assert len(said) < LONGEST_MESSAGE

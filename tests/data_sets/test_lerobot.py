@@ -7,9 +7,8 @@ import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError
 from geotlm_lm.data_sets import lerobot
-from geotlm_lm.data_sets.episode_frames import episode_clip
-from geotlm_lm.data_sets.lerobot import is_data_set, read_data_set
-from geotlm_lm.recordings import limits
+from geotlm_lm.data_sets.lerobot import episode_clip, is_data_set, read_data_set
+from geotlm_lm.recordings import policy
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
 
 pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
@@ -49,7 +48,7 @@ def test_pictures_in_the_tables_are_read_as_they_are(tmp_path):
 
 
 def test_what_does_not_fit_into_memory_is_read_at_a_stride(root, monkeypatch):
-    monkeypatch.setattr(limits, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
     data_set = read_data_set(root)
     clip = episode_clip(data_set, data_set.episode(0), CAMERA)
     assert clip.frame_numbers == tuple(range(0, 24, 3))

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.data_sets.episode_frames import episode_clip
 from geotlm_lm.data_sets.labelling import Labelling, label_data_set
-from geotlm_lm.data_sets.lerobot import read_data_set
+from geotlm_lm.data_sets.lerobot import episode_clip, read_data_set
 from tests.cli import running
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
 

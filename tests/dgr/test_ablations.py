@@ -4,9 +4,8 @@ import pytest
 import torch
 
 from geotlm_lm.core.geometry import REGION_COUNT, REGIONS
-from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
+from geotlm_lm.dgr.ablations import OPERATORS, AblatedDGR, DGRParts, differential_operators
 from geotlm_lm.dgr.encoder import DGR
-from geotlm_lm.dgr.operators import OPERATORS, differential_operators
 from geotlm_lm.dgr.regions import MASS_FLOOR
 
 GLOBAL = REGIONS.index("global")

@@ -1,16 +1,13 @@
-"""Expected values: the paper's parameter count and Eqs. 2-8 on fields of known motion."""
+"""Expected values: Eqs. 2-8 on fields of known motion, and the reflection laws of Eqs. 6-7."""
 
 import pytest
 import torch
 
 from geotlm_lm.core.geometry import REGION_COUNT, REGIONS
 from geotlm_lm.dgr.encoder import DGR
+from geotlm_lm.dgr.regions import MASS_FLOOR, pool_regions, region_mass
 
 X, Y = 0, REGION_COUNT
-
-
-def test_the_three_projections_hold_13827_parameters_at_width_768():
-    assert sum(parameter.numel() for parameter in DGR(768).parameters()) == 13_827
 
 
 def geometry_of(displacement, contact=None):
@@ -96,3 +93,57 @@ def test_a_single_time_bin_is_refused():
         ValueError, match=r"patches are \(b, 2, gh, gw, d\), found \(1, 1, 4, 4, 5\)"
     ):
         DGR(5)(torch.zeros(1, 1, 4, 4, 5))
+
+
+def field_and_mask(seed, rows=6, columns=10):
+    generator = torch.Generator().manual_seed(seed)
+    field = torch.randn(3, rows, columns, generator=generator, dtype=torch.float64)
+    mask = torch.rand(3, rows, columns, generator=generator, dtype=torch.float64)
+    return field, mask
+
+
+def pooled_by_name(field, mask):
+    return dict(zip(REGIONS, pool_regions(field, mask).unbind(-1), strict=True))
+
+
+def test_pooling_equals_the_sum_over_cells_written_out():
+    field, mask = field_and_mask(1)
+    pooled = pooled_by_name(field, mask)
+    cells = {
+        "upper": [(i, j) for i in range(3) for j in range(10)],
+        "lower": [(i, j) for i in range(3, 6) for j in range(10)],
+        "left": [(i, j) for i in range(6) for j in range(5)],
+        "right": [(i, j) for i in range(6) for j in range(5, 10)],
+        "global": [(i, j) for i in range(6) for j in range(10)],
+    }
+    for name, members in cells.items():
+        top = sum(field[:, i, j] * mask[:, i, j] for i, j in members)
+        mass = sum(mask[:, i, j] for i, j in members)
+        torch.testing.assert_close(pooled[name], top / (mass + MASS_FLOOR))
+
+
+def test_a_flip_negates_only_the_difference_across_it():
+    field, mask = field_and_mask(0)
+    pooled = pooled_by_name(field, mask)
+    for axis, across in ((1, "upper_minus_lower"), (2, "left_minus_right")):
+        flipped = pooled_by_name(field.flip(axis), mask.flip(axis))
+        for name in ("upper_minus_lower", "left_minus_right"):
+            torch.testing.assert_close(flipped[name], pooled[name] * (-1 if name == across else 1))
+
+
+@pytest.mark.parametrize(("mask_value", "expected"), [(1.0, 1.0), (1e-6, 0.98990), (1e-8, 0.49495)])
+def test_the_mass_floor_shrinks_a_unit_field_under_a_faint_mask(mask_value, expected):
+    # Closed form for the half of a 14 x 14 grid: 98 m / (98 m + 1e-6).
+    field = torch.ones(1, 14, 14, dtype=torch.float64)
+    pooled = pooled_by_name(field, torch.full_like(field, mask_value))
+    assert pooled["upper"].item() == pytest.approx(expected, abs=1e-4)
+
+
+def test_an_empty_half_pools_to_zero_and_shows_no_mass():
+    field, mask = field_and_mask(0)
+    mask[:, 3:] = 0
+    assert pooled_by_name(field, mask)["lower"].abs().max() == 0
+    mass = dict(zip(REGIONS, region_mass(mask).unbind(-1), strict=True))
+    assert mass["lower"].max() == 0
+    assert mass["upper_minus_lower"].max() == 0
+    assert mass["upper"].min() > 0

@@ -36,8 +36,7 @@ def bag(folder):
 def data_set(folder):
     pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra lerobot")
     pytest.importorskip("av", reason="needs av, of the extra lerobot")
-    from geotlm_lm.data_sets.episode_frames import episode_clip
-    from geotlm_lm.data_sets.lerobot import read_data_set
+    from geotlm_lm.data_sets.lerobot import episode_clip, read_data_set
     from tests.data_sets.lerobot_files import CAMERA, write_data_set
 
     found = read_data_set(write_data_set(folder / "set", [CLIP, CLIP]))

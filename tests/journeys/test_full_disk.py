@@ -11,7 +11,7 @@ from geotlm_lm.track.export import Exported
 from geotlm_lm.track.film import write_film
 from geotlm_lm.track.plot import write_plot
 from geotlm_lm.track.rerun_log import log_clip, rerun_recording
-from geotlm_lm.training.checkpoint import save_checkpoint
+from geotlm_lm.training.fit import save_checkpoint
 from tests.cli.recorded_touch import CLIP
 from tests.full_disk import full_disk
 from tests.track.recordings import frame

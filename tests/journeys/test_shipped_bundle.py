@@ -9,26 +9,25 @@ import pytest
 
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.backbone import imprint
-from geotlm_lm.backbone.lights import Lights
-from geotlm_lm.backbone.stem import FLOW_SCALE_PX, MAGNIFICATION_AT, measure_clip
-from geotlm_lm.benchmarks.cases.recordings import turned_by_quarter
+from geotlm_lm.backbone.relief import Lights
+from geotlm_lm.backbone.stem import MAGNIFICATION_AT, measure_clip
+from geotlm_lm.benchmarks.cases import turned_by_quarter
 from geotlm_lm.checkpoint import embedded_bundle_dir
-from geotlm_lm.cli.simulate import simulate_one
+from geotlm_lm.core import edit
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.geometry import PATCH_SIDE
+from geotlm_lm.core.edit import Edit, opposite
+from geotlm_lm.core.geometry import FLOW_SCALE_PX, PATCH_SIDE
 from geotlm_lm.core.labels import (
     DIRECTED,
     ROTATIONS,
     Motion,
-    mirror,
-    reverse,
-    turn_by_quarter,
 )
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
+from geotlm_lm.simulation.touch import simulate_motion
 from geotlm_lm.training.recording_forms import truth_in_view
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -81,7 +80,7 @@ def test_directions_of_objects_never_trained_on_are_told(answerer, touches):
 
 def test_a_clip_played_backwards_goes_the_other_way(answerer, touches):
     right = [
-        direction(answerer, made.clip.reversed(), made.label.motion) == reverse(made.label.motion)
+        direction(answerer, made.clip.reversed(), made.label.motion) == opposite(made.label.motion)
         for made in touches
     ]
     assert np.mean(right) >= 0.85
@@ -116,7 +115,7 @@ def test_the_example_clips_are_answered_right(answerer, name, motion):
 
 def test_a_cap_that_travels_while_it_turns_is_told_as_turning(answerer):
     """Its axis lies beside it, and it goes 0.26 mm down: both are told, each where it is asked."""
-    clip = simulate_one("bottle_cap", Motion.CLOCKWISE, 0).clip
+    clip = simulate_motion("bottle_cap", Motion.CLOCKWISE, seed=0).clip
     assert direction(answerer, clip, Motion.CLOCKWISE) is Motion.CLOCKWISE
     assert direction(answerer, clip, Motion.DOWN) is Motion.DOWN
 
@@ -130,7 +129,7 @@ def test_a_mirrored_example_turns_the_other_way(answerer, name):
     )
     turning = Motion.CLOCKWISE
     there = direction(answerer, clip, turning)
-    assert direction(answerer, mirrored, turning) is mirror(there)
+    assert direction(answerer, mirrored, turning) is edit.MIRRORED.of_way(there)
 
 
 @pytest.mark.parametrize("quarters", [1, 2, 3])
@@ -142,7 +141,7 @@ def test_a_sensor_held_across_or_upside_down_is_told_as_its_pictures_show(
     for made in touches:
         clip, motion = as_camera_took_it(made.clip), made.label.motion
         for _ in range(quarters):
-            clip, motion = turned_by_quarter(clip), turn_by_quarter(motion)
+            clip, motion = turned_by_quarter(clip), Edit.of("quarter-ccw").of_way(motion)
         right.append(direction(answerer, clip, motion) is motion)
     assert np.mean(right) >= 0.88
 

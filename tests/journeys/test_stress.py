@@ -2,10 +2,9 @@
 
 import pytest
 
-from geotlm_lm.benchmarks.cases.damaged import extreme_clips
-from geotlm_lm.benchmarks.cases.stiff import STIFF_CASES
-from geotlm_lm.benchmarks.rows import Run
-from geotlm_lm.benchmarks.stability_rows import CONFIDENT, judge, judge_scene
+from geotlm_lm.benchmarks.damaged import extreme_clips
+from geotlm_lm.benchmarks.harness import Run
+from geotlm_lm.benchmarks.stability import CONFIDENT, STIFF_CASES, judge, judge_scene
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
@@ -21,12 +20,12 @@ def verdicts(answerer):
 
 
 def test_nothing_crashes(verdicts):
-    assert {name: v.says for name, (_, v) in verdicts.items() if v.outcome == "crashed"} == {}
+    assert {name: v.text for name, (_, v) in verdicts.items() if v.outcome == "crashed"} == {}
 
 
 def test_where_nothing_can_be_told_nothing_is_told_with_confidence(verdicts):
     sure = {
-        name: verdict.says
+        name: verdict.text
         for name, (extreme, verdict) in verdicts.items()
         if not extreme.right and verdict.confidence >= CONFIDENT
     }

@@ -3,8 +3,10 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.geometry import CAMERA_PX, IMAGE_SIDE
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, mirror, reverse
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
+from geotlm_lm.probe.rigid_fit import fit_rigid, radius_of_gyration
 from geotlm_lm.probe.rigid_flow import (
     RigidFlow,
     RigidMotion,
@@ -44,20 +46,15 @@ def test_a_turn_wins_over_a_small_slide():
     assert RigidFlow().predict(clip, DIRECTED) == Motion.CLOCKWISE
 
 
-def test_playing_a_clip_backwards_reverses_the_answer():
+def test_playing_backwards_reverses_and_a_mirror_mirrors_the_answer():
     clip = moved_clip(textured_imprint(3), [0, 2, 4, 6], [(0, 0)] * 4)
-    motion = RigidFlow().predict(clip, ROTATIONS)
-    assert RigidFlow().predict(clip.reversed(), ROTATIONS) == reverse(motion)
-
-
-def test_mirroring_a_grey_clip_mirrors_the_answer():
-    clip = moved_clip(textured_imprint(4), [0, 2, 4, 6], [(0, 0)] * 4)
     flipped = Clip(
         np.ascontiguousarray(clip.frames[:, :, ::-1]),
         background=np.ascontiguousarray(clip.background[:, ::-1]),
     )
     motion = RigidFlow().predict(clip, ROTATIONS)
-    assert RigidFlow().predict(flipped, ROTATIONS) == mirror(motion)
+    assert RigidFlow().predict(clip.reversed(), ROTATIONS) == opposite(motion)
+    assert RigidFlow().predict(flipped, ROTATIONS) == MIRRORED.of_way(motion)
 
 
 def test_a_turn_is_measured_in_a_picture_squashed_to_a_square():
@@ -135,7 +132,7 @@ def test_what_fades_is_told_as_what_grows_played_backwards(contrast):
     grown, faded = (
         classify_motion(rigid_motion(contrast=one), ALL) for one in (contrast, contrast[::-1])
     )
-    assert faded == reverse(grown)
+    assert faded == opposite(grown)
 
 
 @pytest.mark.parametrize("radius", [30, 50])
@@ -144,3 +141,29 @@ def test_an_even_disc_reaches_as_far_as_one_does(radius):
     disc = 40.0 * (np.hypot(x - 100, y - 80) < radius)
     found = RigidFlow().fit(moved_clip(disc, [0] * 4, [(0, 0)] * 4, noise=0))
     assert found.radius_px == pytest.approx(radius / 2**0.5, rel=0.05)
+
+
+def test_a_rigid_field_is_recovered_exactly():
+    rows, columns, turn, slide = 40, 50, 0.3, np.array([1.5, -2.0])
+    y, x = np.mgrid[:rows, :columns].astype(np.float32)
+    weight = np.random.default_rng(0).random((rows, columns)).astype(np.float32)
+    arm_x, arm_y = x - np.average(x, weights=weight), y - np.average(y, weights=weight)
+    turned_x = np.cos(turn) * arm_x - np.sin(turn) * arm_y
+    turned_y = np.sin(turn) * arm_x + np.cos(turn) * arm_y
+    field = np.stack([turned_x - arm_x, turned_y - arm_y], axis=-1) + slide.astype(np.float32)
+    assert fit_rigid(field, weight) == pytest.approx((turn, *slide), abs=1e-4)
+
+
+def test_reweighting_ignores_a_patch_that_does_not_turn_along():
+    y, x = np.mgrid[:60, :60].astype(np.float32) - 30
+    field = np.stack([-0.05 * y, 0.05 * x], axis=-1)
+    field[:15, :15] = (6.0, 6.0)
+    weight = np.ones((60, 60), np.float32)
+    plain, robust = (abs(fit_rigid(field, weight, n)[0] - 0.05) for n in (0, 4))
+    assert robust < 0.2 * plain
+
+
+def test_the_radius_of_gyration_of_a_plate_counts_both_of_its_sides():
+    plate = np.zeros((200, 300), np.float32)
+    plate[20:180, 40:240] = 1
+    assert radius_of_gyration(plate) == pytest.approx((160**2 + 200**2) ** 0.5 / 12**0.5, rel=1e-3)

@@ -11,8 +11,7 @@ from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.text import next_words, read
 from geotlm_lm.query.words import END
-from geotlm_lm.track.amounts import Span
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.events import Event, EventKind, Span
 from geotlm_lm.track.track import Track
 
 edits = st.lists(st.sampled_from(EDIT_WORDS), max_size=5).map(lambda words: Edit.of(*words))

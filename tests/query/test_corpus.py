@@ -4,8 +4,7 @@ from itertools import islice
 
 import pytest
 
-from geotlm_lm.query.grammar import SPLITS, Pair, corpus, grammar, split_of
-from geotlm_lm.query.grammar_linter import coverage
+from geotlm_lm.query.grammar import SPLITS, corpus, grammar, split_of
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.text import read, write
@@ -66,16 +65,3 @@ def test_no_template_means_two_things():
 
 
 FAMILIES = {one.id for one in grammar().families}
-
-
-def test_the_linter_counts_what_is_written_and_names_what_means_two_things():
-    pairs = [
-        Pair("Way?", "way", ()),
-        Pair("way?", "way turn", ()),
-        Pair("Mirrored, 2 s on?", "mirror > from #1 > way", ()),
-        Pair("It is mirrored.", "fact mirrored", ()),
-    ]
-    found = coverage(pairs)
-    assert found.views == {("way", "as it is"): 2, ("way", "mirror"): 1, ("fact", "as it is"): 1}
-    assert found.subjects["way", "span"] == 1
-    assert found.ambiguous == {"way?": ("way", "way turn")}

@@ -20,8 +20,7 @@ from geotlm_lm.query.forms import in_form
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.tell import tell
 from geotlm_lm.query.text import read
-from geotlm_lm.track.amounts import Span
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.events import Event, EventKind, Span
 from geotlm_lm.track.track import Track
 from tests.query.strategies import beliefs, edits, queries
 

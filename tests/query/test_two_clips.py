@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from geotlm_lm.core.labels import DIRECTED, Motion, mirror, reverse
+from geotlm_lm.core.edit import MIRRORED, opposite
+from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.query.decision import Evidence
 from geotlm_lm.query.execute import decide
 from geotlm_lm.query.forms import as_json, decided, in_form
@@ -34,8 +35,8 @@ def test_two_ways_are_the_same_different_opposite_or_mirrored(one):
         assert related == {
             "same": one is other,
             "different": one is not other,
-            "opposite": other is reverse(one),
-            "mirrored": other is mirror(one),
+            "opposite": other is opposite(one),
+            "mirrored": other is MIRRORED.of_way(one),
         }
 
 

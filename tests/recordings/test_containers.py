@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.doctor.timing import file_end
+from geotlm_lm.doctor.examine import file_end
 from geotlm_lm.recordings.containers import declared_end
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.streams import open_source

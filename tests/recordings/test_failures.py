@@ -1,14 +1,15 @@
 """Every way a file can fail to be a clip ends in one whole sentence, compared in full."""
 
 import os
+from functools import partial
 
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.recordings.policy import Source, SourceFrame, read_source
 from geotlm_lm.recordings.read import read_clip
-from geotlm_lm.recordings.video import _decode
 from tests.recordings.broken_files import CASES, FRAMES, header_of
 
 IMAGES = ".png, .jpg, .jpeg, .bmp, .tif, .tiff, .webp"
@@ -136,33 +137,11 @@ def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
     )
 
 
-def test_a_background_of_another_size_is_refused(tmp_path):
-    np.save(tmp_path / "clip.npy", FRAMES)
-    np.save(tmp_path / "idle.npy", np.zeros((9, 9, 3), np.uint8))
-    with pytest.raises(UnreadableClip, match="the background has shape"):
-        read_clip(tmp_path / "clip.npy", background=tmp_path / "idle.npy")
-
-
-class SizeChanges:
-    """A video whose picture shrinks from the third frame on."""
-
-    def __init__(self):
-        self.seen = 0
-
-    def grab(self):
-        self.seen += 1
-        return self.seen <= 4
-
-    def retrieve(self):
-        return True, np.zeros((48, 64, 3) if self.seen < 3 else (24, 32, 3), np.uint8)
-
-    def get(self, _):
-        return 0.0
-
-
-def test_a_video_that_changes_its_size_is_refused_in_one_sentence():
+def test_frames_of_changing_sizes_are_refused_in_one_sentence():
+    sizes = [(48, 64, 3)] * 2 + [(24, 32, 3)] * 2
+    source = Source("clip.mkv", lambda _: (SourceFrame(partial(np.zeros, size)) for size in sizes))
     with pytest.raises(UnreadableClip, match=r"frame 2 is 32 x 24 pixels after 64 x 48"):
-        _decode(SizeChanges(), "clip.mkv")
+        read_source(source)
 
 
 @pytest.mark.parametrize(

@@ -30,11 +30,6 @@ def sentence(clip):
     return str(caught.value)
 
 
-def test_a_picture_passes_as_it_is():
-    clip = clip_of(gel())
-    assert require_legible(clip) is clip
-
-
 def test_a_covered_lens_is_refused():
     frames = gel()
     frames[2] = 3
@@ -111,7 +106,3 @@ def test_frames_too_small_to_tell_anything_are_refused():
     tiny = np.full((4, 23, 200, 3), 100)
     with pytest.raises(UnreadableClip, match="frames are 200x23 pixels, expected at least 24 a"):
         require_legible(clip_of(tiny, np.full((23, 200, 3), 100, np.uint8)))
-
-
-def test_frames_without_a_background_are_judged_by_themselves():
-    assert require_legible(clip_of(gel() + 40, None))

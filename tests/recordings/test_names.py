@@ -8,12 +8,11 @@ import pytest
 from PIL import Image
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.plain_name import plain_name
-from geotlm_lm.recordings.every_frame import each_frame
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.core.files import plain_name
+from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.bag_files import MCAP, SQLITE, even_ns, first_bag, raw, raw_bag
-from tests.recordings.test_read import FRAMES, write_images, write_video
+from tests.recordings.test_read import write_images, write_video
 from tests.recordings.test_video_forms import FEW
 from tests.recordings.video_forms import write_gif
 
@@ -81,15 +80,6 @@ def test_the_folder_of_a_bag_too_and_no_file_is_left_in_it(tmp_path, name, parts
         with pytest.raises(UnreadableClip, match="one by one"):
             read_clip(folder)
     assert sorted(folder.iterdir()) == before
-
-
-@pytest.mark.parametrize("name", [NAMES[0], "idle#1"], ids=ascii)
-def test_a_background_too(tmp_path, name):
-    np.save(tmp_path / "clip.npy", FRAMES)
-    write_images(tmp_path, FRAMES[:1], ["idle.png"])
-    os.rename(tmp_path / "idle.png", tmp_path / f"{name}.png")
-    clip = read_clip(tmp_path / "clip.npy", background=tmp_path / f"{name}.png")
-    assert np.array_equal(clip.background, FRAMES[0])
 
 
 @pytest.mark.parametrize("name", NAMES, ids=ascii)

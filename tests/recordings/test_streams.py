@@ -2,16 +2,15 @@
 
 import threading
 import time
-from contextlib import nullcontext
 
 import cv2
 import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.recordings import limits, streams, video
-from geotlm_lm.recordings.latest_frames import LatestFrames, StreamFrame
-from geotlm_lm.recordings.streams import Recording, open_source
+from geotlm_lm.recordings import policy, streams
+from geotlm_lm.recordings.policy import Source, SourceFrame
+from geotlm_lm.recordings.streams import LatestFrames, Recording, StreamFrame, open_source
 
 
 @pytest.fixture
@@ -32,20 +31,19 @@ def test_a_recording_gives_every_frame_with_its_time(film):
     assert [frame.time_s for frame in frames] == pytest.approx([0.05 * k for k in range(9)])
     assert [int(frame.image.mean()) for frame in frames] == [10 * k for k in range(9)]
     assert source.dropped == 0
-
-
-def test_an_array_is_a_stream_too(tmp_path):
-    frames = np.random.default_rng(0).integers(0, 255, (6, 24, 32, 3)).astype(np.uint8)
-    np.savez(tmp_path / "clip.npz", frames=frames, fps=10.0)
-    given = list(open_source(str(tmp_path / "clip.npz")))
-    assert np.array_equal(np.stack([one.image for one in given]), frames)
-    assert given[-1].time_s == pytest.approx(0.5)
+    given = open_source(str(film), fps=10)
+    assert (given.fps, given.is_rate_assumed) == (10, False)
+    assert [frame.time_s for frame in given][-1] == pytest.approx(0.8)
+    (film.parent / "broken.avi").write_bytes(b"RIFF no frames")
+    for name, sentence in {"gone.avi": "no such file", "broken.avi": "no frame of it can"}.items():
+        with pytest.raises(UnreadableClip, match=f"{name}: {sentence}"):
+            open_source(str(film.parent / name))
 
 
 def test_the_times_of_an_array_read_at_a_stride_are_those_of_the_recording(tmp_path, monkeypatch):
     frames = np.random.default_rng(0).integers(0, 255, (20, 24, 32, 3)).astype(np.uint8)
     np.savez(tmp_path / "clip.npz", frames=frames, fps=40.0)
-    monkeypatch.setattr(limits, "KEPT_BYTES", 6 * frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 6 * frames[0].nbytes)
     source = open_source(str(tmp_path / "clip.npz"))
     assert [one.time_s for one in source] == pytest.approx([0.0, 0.1, 0.2, 0.3, 0.4])
     assert source.fps == 10
@@ -87,37 +85,19 @@ def test_a_camera_that_does_not_open_is_told_with_what_to_do(name):
     )
 
 
-def test_a_given_rate_stands_for_the_times_of_a_recording(film):
-    source = open_source(str(film), fps=10)
-    assert (source.fps, source.is_rate_assumed) == (10, False)
-    assert [frame.time_s for frame in source][-1] == pytest.approx(0.8)
-    played = open_source(str(film), at_its_rate=True)
-    assert (played.fps, played.is_rate_assumed) == (20, False)
-
-
-class StampedCapture:
-    """A video whose header takes its time base for its rate, and whose frames slow down."""
-
-    notes = ()
-    stamps_ms = (500.0, 540.0, 580.0, 620.0, 660.0, 860.0, 1060.0)
-
-    def __init__(self):
-        self.seen = 0
-
-    def grab(self):
-        self.seen += 1
-        return self.seen <= len(self.stamps_ms)
-
-    def read(self):
-        return self.grab(), np.zeros((24, 32, 3), np.uint8)
-
-    def get(self, name):
-        return self.stamps_ms[min(self.seen, 7) - 1] if name == cv2.CAP_PROP_POS_MSEC else 1000.0
-
-
 def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeypatch):
-    monkeypatch.setattr(streams, "video_file", lambda *_: nullcontext(StampedCapture()))
-    monkeypatch.setattr(video, "RATED_FRAMES", 5)
+    """A video whose header takes its time base for its rate, and whose frames slow down."""
+    image, stamps_ms = np.zeros((24, 32, 3), np.uint8), (500, 540, 580, 620, 660, 860, 1060)
+    monkeypatch.setattr(
+        streams,
+        "streamed_source",
+        lambda *_: Source(
+            "film",
+            lambda _: (SourceFrame(lambda: image, float(stamp)) for stamp in stamps_ms),
+            header_fps=1000.0,
+        ),
+    )
+    monkeypatch.setattr(policy, "RATED_FRAMES", 5)
     source = open_source(str(film))
     assert source.fps == pytest.approx(25)
     assert source.notes == (
@@ -128,17 +108,6 @@ def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeyp
     given = open_source(str(film), fps=10)
     assert (given.fps, given.notes) == (10, ())
     assert [frame.time_s for frame in given][-1] == pytest.approx(0.6)
-
-
-def test_a_missing_recording_is_told():
-    with pytest.raises(UnreadableClip, match="^gone.avi: no such file or folder"):
-        open_source("gone.avi")
-
-
-def test_a_recording_without_frames_is_told(tmp_path):
-    (tmp_path / "broken.avi").write_bytes(b"RIFF no frames")
-    with pytest.raises(UnreadableClip, match="broken.avi: no frame of it can be decoded"):
-        open_source(str(tmp_path / "broken.avi"))
 
 
 class FakeCapture:

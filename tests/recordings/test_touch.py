@@ -7,7 +7,7 @@ import pytest
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.recordings.touch import FAINT_GREY, UNTOUCHED_GREY, change_from_idle, change_map
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.series import simulate_series
+from geotlm_lm.simulation.simulate import simulate_series
 
 IDLE = np.full((240, 320, 3), 110, np.uint8)
 
@@ -47,13 +47,6 @@ def test_the_map_of_the_change_shows_where_it_is_and_nothing_of_the_light():
     assert seen[:, :14].max() == seen[14:].max() == 0
 
 
-def test_one_touched_frame_is_enough():
-    clip = recorded(imprint(0))
-    frames = clip.frames.copy()
-    frames[2] = recorded(imprint(8.0)).frames[0]
-    assert grey_of(Clip(frames, background=IDLE)) >= UNTOUCHED_GREY
-
-
 def test_the_change_does_not_depend_on_the_recorded_size():
     clip = recorded(imprint(8.0), noise_grey=0)
     small = [cv2.resize(one, (160, 120), interpolation=cv2.INTER_AREA) for one in clip.frames]
@@ -65,11 +58,6 @@ def test_the_smallest_and_the_narrowest_frames_are_judged():
     for shape in ((8, 8, 3), (8, 400, 3), (400, 8, 3)):
         clip = Clip(np.full((4, *shape), 110, np.uint8), background=np.full(shape, 110, np.uint8))
         assert grey_of(clip) < UNTOUCHED_GREY
-
-
-def test_without_an_idle_frame_there_is_nothing_to_compare_with():
-    with pytest.raises(ValueError, match="idle"):
-        change_from_idle(Clip(np.stack([IDLE] * 4)))
 
 
 def test_no_readable_simulated_touch_counts_as_untouched():

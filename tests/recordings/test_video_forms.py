@@ -9,13 +9,12 @@ import pytest
 from PIL import Image
 
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
-from geotlm_lm.doctor.picture import mount
-from geotlm_lm.recordings import limits
-from geotlm_lm.recordings.every_frame import each_frame
+from geotlm_lm.doctor.examine import mount
+from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.listing import clips_in
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
-from tests.recordings.test_read import FRAMES, write_video
+from tests.recordings.test_read import FRAMES
 
 pytest.importorskip("av", reason="needs the extra `lerobot`")
 
@@ -41,7 +40,7 @@ def every_way(path, monkeypatch):
     """Return a recording read at once, as a stream, and anew frame by frame."""
     clip = read_clip(path)
     streamed = np.stack([frame.image for frame in open_source(str(path))])
-    monkeypatch.setattr(limits, "KEPT_BYTES", 4 * clip.frames[0].nbytes)
+    monkeypatch.setattr(policy, "KEPT_BYTES", 4 * clip.frames[0].nbytes)
     strided = read_clip(path)
     assert len(strided) < len(clip)
     return clip, streamed, np.stack([image for _, image in each_frame(strided)])
@@ -166,10 +165,6 @@ def test_a_turn_that_a_video_states_is_applied_and_told(tmp_path, monkeypatch, d
 def test_pixels_of_a_turned_picture_are_turned_too(tmp_path):
     path = turned(write_av(tmp_path / "clip.mp4", CORNERED, "mpeg4", aspect=Fraction(1, 4)), 90)
     assert read_clip(path).frames.shape[1:3] == (64, 192)
-
-
-def test_an_ordinary_video_has_no_such_notes(tmp_path):
-    assert read_clip(write_video(tmp_path / "clip.avi")).notes == ()
 
 
 STILLS = {".jpg": {"quality": 95}, ".png": {}, ".tif": {}, ".webp": {"lossless": True}}

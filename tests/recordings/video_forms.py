@@ -1,5 +1,6 @@
 """Videos in forms that OpenCV does not write: AV1, GIF, pixels that are not square, turned."""
 
+import os
 import struct
 
 import av
@@ -28,6 +29,9 @@ def write_av(path, frames, codec="libsvtav1", fps=10, aspect=None):
         for frame in frames:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format="rgb24")))
         container.mux(stream.encode(None))
+    if codec == "libsvtav1" and hasattr(os, "sched_setscheduler"):
+        # Run by root, its encoder leaves this process, and all it starts, at real-time priority.
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
     return path
 
 

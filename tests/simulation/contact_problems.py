@@ -12,10 +12,8 @@ from dataclasses import dataclass, replace
 import torch
 from torch import Tensor
 
-from geotlm_lm.simulation.elastic import LayerOperator
-from geotlm_lm.simulation.half_space import HalfSpaceOperator
-from geotlm_lm.simulation.march import TIGHT, Increment, Step, cell_centres, march
-from geotlm_lm.simulation.normal_contact import Response
+from geotlm_lm.simulation.elastic import HalfSpaceOperator, LayerOperator
+from geotlm_lm.simulation.solvers import Effort, Response, Step, cell_centres, march
 
 RADIUS = 4.0  # the ball's R: the contact's is a quarter of it, and the profile a parabola
 CONTACT = 1.0  # radius a of the ball's contact and of the disc
@@ -28,6 +26,10 @@ LAYER_BOX, LAYER_CELLS = 3.0, 256
 MU = 0.5  # Coulomb's coefficient, where anything can slip
 ENDLESS = 1e6  # a coefficient under which nothing slips
 OUTSIDE = -1e3  # overlap beyond the disc's rim: far away from any contact
+
+
+# For verification: grid error dominates everything else.
+TIGHT = Effort((50, 100, 400, 1000), 2000, passes=3, penetration_um=1e-4, gradient_share=1e-7)
 
 
 class Uncoupled(HalfSpaceOperator):
@@ -61,18 +63,18 @@ class Solved:
 
     @property
     def force(self) -> float:
-        return float(self.end.force(self.response.cell_mm)[0, 2])
+        return float(self.end.pressure.sum()) * self.response.cell_mm**2
 
     @property
     def drag(self) -> float:
         """Tangential force Q along x."""
-        return float(self.end.force(self.response.cell_mm)[0, 0])
+        return float(self.end.traction[0, 0].sum()) * self.response.cell_mm**2
 
     @property
     def moment(self) -> float:
         """Moment M about the axis."""
-        axis = torch.zeros(1, 2, dtype=self.end.pressure.dtype)
-        return float(self.end.moment(self.response.cell_mm, axis))
+        (x, y), (along, down) = _centres(self.response), self.end.traction[0]
+        return float((x * down - y * along).sum()) * self.response.cell_mm**2
 
     @property
     def contact_radius(self) -> float:
@@ -82,7 +84,9 @@ class Solved:
     @property
     def stick_radius(self) -> float:
         """Radius of the circle as large as all cells that stick."""
-        return self._radius(self.end.sticks)
+        limit = self.friction * self.end.pressure
+        inside = self.end.traction.norm(dim=1) < (1 - 1e-6) * limit
+        return self._radius((self.end.pressure > 0) & inside)
 
     def _radius(self, cells: Tensor) -> float:
         return self.response.cell_mm * math.sqrt(float(cells.sum()) / math.pi)
@@ -133,8 +137,8 @@ def marched(response: Response, overlap_mm: Tensor, *travels: Travel, friction=M
     """Press, then travel, as tightly as the solver goes; the overlap is the same all along."""
     centres = _centres(response)
     paths = [torch.zeros_like(centres)[None], *(travel(centres) for travel in travels)]
-    increments = [Increment(overlap_mm, path) for path in paths]
-    steps = list(march(increments, response, friction_coefficient=friction, effort=TIGHT))
+    increments = [(overlap_mm, path) for path in paths]
+    steps = list(march(increments, response, TIGHT, friction_coefficient=friction))
     return Solved(response, overlap_mm, steps, friction)
 
 

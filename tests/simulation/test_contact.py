@@ -8,11 +8,10 @@ import torch
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation import contact
-from geotlm_lm.simulation.contact import solve_contact
-from geotlm_lm.simulation.march import Effort
-from geotlm_lm.simulation.presets import FAST, PRESETS, Preset
+from geotlm_lm.simulation.contact import FAST, PRESETS, Preset, solve_contact
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Gel, Path, Scene
+from geotlm_lm.simulation.solvers import Effort
 
 
 def scene(body="letter_l", *, depth=(0.5, 0.5), x=(0, 0), y=(0, 0), turn=(0.3, 0.3), gel=None):
@@ -20,18 +19,21 @@ def scene(body="letter_l", *, depth=(0.5, 0.5), x=(0, 0), y=(0, 0), turn=(0.3, 0
     return Scene(Body(body, variant=2), path, Motion.STILL, gel or Gel(poisson_ratio=0.48))
 
 
-def solved(one, preset=FAST, **options):
-    return solve_contact(one, build_profile(one.body), preset, **options)
+def solved(pressed, preset=FAST, **options):
+    return solve_contact(pressed, build_profile(pressed.body), preset, **options)
 
 
 def test_friction_holds_the_gel_that_a_press_would_spread():
     gel = {"poisson_ratio": 0.48}
+    middle = slice(FAST.cells // 2 - 5, FAST.cells // 2 + 5)
     free, held = (
-        solved(scene("block", gel=Gel(friction=mu, **gel)), with_drift=True).drift_mm[1]
+        float(
+            solved(scene("block", gel=Gel(friction=mu, **gel)), with_drift=True)
+            .drift_mm[1, :, middle, middle]
+            .norm()
+        )
         for mu in (0.0, 1.0)
     )
-    middle = slice(FAST.cells // 2 - 5, FAST.cells // 2 + 5)
-    free, held = (float(one[:, middle, middle].norm()) for one in (free, held))
     assert held < 0.5 * free
 
 
@@ -42,20 +44,9 @@ def test_a_press_does_not_depend_on_a_travel_of_nanometres():
     assert float((still - moved).abs().max()) < 1e-5
 
 
-def test_many_small_steps_carry_the_gel_as_far_as_a_large_one():
-    x = (0.0, 0.3, *(0.3 + 0.008 * k for k in range(1, 13)))
-    still = (0.0,) * len(x)
-    path = Path((0.5,) * len(x), x, still, still)
-    crawling = replace(scene("block"), path=path)
-    answer = solved(crawling, with_drift=True)
-    middle = FAST.cells // 2
-    went = answer.drift_mm[[1, -1], 0, middle, middle]
-    assert float(went[1] - went[0]) == pytest.approx(0.096, rel=0.1)
-
-
 def test_little_friction_is_solved_and_not_skipped():
-    one = scene(x=(0, 0.3), gel=Gel(friction=0.02))
-    quick, tight = (solved(one, PRESETS[name], with_drift=True) for name in ("good", "accurate"))
+    slid = scene(x=(0, 0.3), gel=Gel(friction=0.02))
+    quick, tight = (solved(slid, PRESETS[name], with_drift=True) for name in ("good", "accurate"))
     free = solved(scene(x=(0.3, 0.3), gel=Gel(friction=0.0)), with_drift=True)
     assert float((quick.drift_mm[1] - quick.drift_mm[0]).abs().max()) == pytest.approx(
         float((tight.drift_mm[1] - tight.drift_mm[0]).abs().max()), rel=0.3
@@ -63,7 +54,7 @@ def test_little_friction_is_solved_and_not_skipped():
     assert free.status.is_converged
 
 
-@pytest.mark.parametrize("preset", ["draft", "fast", "good"])
+@pytest.mark.parametrize("preset", ["draft", "good"])
 def test_friction_carries_the_surface_along_inside_its_cone(preset):
     answer = solved(scene(x=(0, 0.2)), PRESETS[preset], with_drift=True)
     status = answer.status
@@ -76,15 +67,6 @@ def test_friction_carries_the_surface_along_inside_its_cone(preset):
     assert 0.15 < float(moved.max()) < 0.21
     # The layer is dragged along around the contact and stands still far away.
     assert abs(float(moved[:, :2].mean())) < 0.02
-
-
-def test_finer_presets_come_closer_to_the_reference():
-    one = scene("prism_6", turn=(0.0, 0.1))
-    volumes = [
-        float(solved(one, PRESETS[name], with_drift=True).indentation_mm[1].clamp_min(0).mean())
-        for name in ("draft", "good", "accurate")
-    ]
-    assert abs(volumes[1] - volumes[2]) < abs(volumes[0] - volumes[2])
 
 
 def starved(name, harder):
@@ -117,38 +99,28 @@ def test_running_out_of_steps_is_never_called_converged():
 
 @pytest.mark.parametrize(("thickness", "is_enough"), [(4.0, True), (0.3, False)])
 def test_where_the_gel_bulges_high_the_whole_body_is_looked_at(thickness, is_enough, monkeypatch):
-    one = scene("key", depth=(1.2,), x=(0,), y=(0,), turn=(0,))
-    one = replace(one, gel=Gel(thickness_mm=thickness, poisson_ratio=0.5))
-    part = solved(one)
+    key = scene("key", depth=(1.2,), x=(0,), y=(0,), turn=(0,))
+    key = replace(key, gel=Gel(thickness_mm=thickness, poisson_ratio=0.5))
+    part = solved(key)
     monkeypatch.setattr(contact, "LEAST_REACH_MM", math.inf)
-    whole = solved(one)
+    whole = solved(key)
     assert float((part.indentation_mm - whole.indentation_mm).abs().max()) < 0.001
     assert (part.reach_mm < math.inf) == is_enough
 
 
-@pytest.mark.parametrize(
-    "bad", [{"size": math.nan}, {"tilt_x": math.nan}, {"texture_um": math.inf}]
-)
-def test_a_body_that_is_not_finite_is_refused(bad):
-    with pytest.raises(ValueError, match="expected"):
-        Body("block", **bad)
-
-
-def dragged_before(slide_mm, friction=50.0):
-    body, still = Body("block"), ((0.5, 0.5), (0.0, 0.0), (0.0, 0.0), (0.3, 0.3))
-    path = Path(*still, pre_slide_mm=(slide_mm, 0.0))
-    return Scene(body, path, Motion.STILL, Gel(friction=friction))
-
-
-def test_a_gel_sheared_before_the_clip_is_sheared_from_its_first_frame_on():
-    rest, sheared = (solved(dragged_before(slide), with_drift=True) for slide in (0.0, 0.2))
-    assert len(sheared.drift_mm) == 2
+def test_a_gel_sheared_before_the_clip_is_sheared_from_its_first_frame_on_by_friction_alone():
+    handled, rest = (
+        Scene(
+            Body("block"),
+            Path((0.5, 0.5), (0.0, 0.0), (0.0, 0.0), (0.3, 0.3), pre_slide_mm=(slide_mm, 0.0)),
+            Motion.STILL,
+            Gel(friction=50.0),
+        )
+        for slide_mm in (0.2, 0.0)
+    )
+    sheared, plain = (solved(case, with_drift=True) for case in (handled, rest))
     pressed = sheared.indentation_mm[0] > 0.8 * sheared.indentation_mm[0].max()
-    gained = (sheared.drift_mm - rest.drift_mm)[:, 0, pressed]
+    gained = (sheared.drift_mm - plain.drift_mm)[:, 0, pressed]
     # So much friction holds the gel on the object: it has come along by the object's travel.
     assert gained.mean(dim=1).numpy() == pytest.approx([0.2, 0.2], abs=0.02)
-
-
-def test_history_needs_friction_and_leaves_the_frictionless_gel_as_it_is():
-    plain, handled = (solved(dragged_before(slide)) for slide in (0.0, 0.2))
-    assert torch.equal(plain.indentation_mm, handled.indentation_mm)
+    assert torch.equal(solved(handled).indentation_mm, solved(rest).indentation_mm)

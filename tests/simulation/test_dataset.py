@@ -1,6 +1,7 @@
+"""Data sets survive kills, are equal whoever writes them, and are read by their libraries."""
+
 import contextlib
 import json
-import multiprocessing
 import os
 import signal
 import subprocess
@@ -10,13 +11,14 @@ import time
 import numpy as np
 import pytest
 
-from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.errors import MissingDependency, UsageError
+from geotlm_lm.core.labels import MotionLabel
+from geotlm_lm.runs.run import Workers
 from geotlm_lm.simulation import dataset
-from geotlm_lm.simulation.dataset import read_shard, write_dataset
-from geotlm_lm.workers import Workers
+from geotlm_lm.simulation.dataset import write_dataset
 from tests.process_groups import in_proc, members
 
-OBJECTS = ("block", "cloth_coarse")
+GIVEN = {"seed": 1, "objects": ("block", "cloth_coarse"), "preset": "draft"}
 
 
 @pytest.fixture(autouse=True)
@@ -28,168 +30,151 @@ def contents(folder):
     return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
 
 
-def test_shards_hold_every_clip_once_with_its_truth(tmp_path):
-    seen = []
-    write_dataset(tmp_path, 7, seed=1, objects=OBJECTS, progress=lambda *p: seen.append(p))
-    shards = [read_shard(path) for path in sorted(tmp_path.glob("shard-*.npz"))]
-    assert np.concatenate([arrays["index"] for arrays, _ in shards]).tolist() == list(range(7))
-    arrays, labels = shards[0]
-    assert arrays["frames"].shape == (3, 4, 224, 224, 3)
-    assert arrays["displacement_px"].shape == (3, 4, 14, 14, 2)
-    assert len(labels) == 3
-    assert seen == [("simulated", 3, 7), ("simulated", 6, 7), ("simulated", 7, 7)]
-    card = (tmp_path / "README.md").read_text()
-    assert "7 clips of 2 bodies" in card
+def read_shard(path):
+    with np.load(path, allow_pickle=False) as stored:
+        return dict(stored)
 
 
-def test_a_killed_run_resumes_to_the_same_bytes(tmp_path):
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
-    write_dataset(whole, 7, seed=1, objects=OBJECTS)
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    """Seven clips of draft quality, in shards of three."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dataset, "SHARD_CLIPS", 3)
+        return write_dataset(tmp_path_factory.mktemp("whole"), 7, **GIVEN)
 
+
+def test_shards_hold_every_clip_once_with_its_truth(whole):
+    shards = [read_shard(path) for path in sorted(whole.glob("shard-*.npz"))]
+    assert np.concatenate([arrays["index"] for arrays in shards]).tolist() == list(range(7))
+    assert shards[0]["frames"].shape == (3, 4, 224, 224, 3)
+    assert shards[0]["displacement_px"].shape == (3, 4, 14, 14, 2)
+    assert len(json.loads(str(shards[0]["labels"]))) == 3
+    assert "7 clips of 2 bodies" in (whole / "README.md").read_text()
+
+
+def test_a_broken_off_grown_or_damaged_data_set_ends_with_the_same_bytes(whole, tmp_path):
     class Killed(Exception):
         pass
 
+    reports = []
+
     def stop(what, done, total):
+        reports.append((what, done, total))
         if done >= 3:
             raise Killed
 
     with pytest.raises(Killed):
-        write_dataset(killed, 7, seed=1, objects=OBJECTS, progress=stop)
-    kept = (killed / "shard-00000.npz").stat().st_mtime_ns
-    (killed / "shard-00001.npz").write_bytes(b"half a shard")
-    write_dataset(killed, 7, seed=1, objects=OBJECTS)
-    assert (killed / "shard-00000.npz").stat().st_mtime_ns == kept
-    assert contents(killed) == contents(whole)
-
-
-def test_a_grown_data_set_keeps_its_clips_and_equals_one_written_at_once(tmp_path):
-    grown, whole = tmp_path / "grown", tmp_path / "whole"
-    write_dataset(grown, 4, seed=1, objects=OBJECTS)
-    write_dataset(grown, 7, seed=1, objects=OBJECTS)
-    write_dataset(whole, 7, seed=1, objects=OBJECTS)
-    assert contents(grown) == contents(whole)
+        write_dataset(tmp_path, 5, progress=stop, **GIVEN)
+    kept = (tmp_path / "shard-00000.npz").stat().st_mtime_ns
+    (tmp_path / "shard-00001.npz").write_bytes(b"half a shard")
+    write_dataset(tmp_path, 7, **GIVEN)
+    assert reports == [("simulated", 3, 5)]
+    assert (tmp_path / "shard-00000.npz").stat().st_mtime_ns == kept
+    assert contents(tmp_path) == contents(whole)
 
 
 def test_a_folder_that_says_nothing_of_mixed_clips_has_none_and_is_continued(tmp_path):
-    write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
-    before, told = contents(tmp_path), tmp_path / "dataset.json"
-    about = json.loads(told.read_text())
-    told.write_text(json.dumps({name: about[name] for name in about if name != "mixed_share"}))
-    write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
+    write_dataset(tmp_path, 1, **GIVEN)
+    before, asked = contents(tmp_path), tmp_path / "dataset.json"
+    about = json.loads(asked.read_text())
+    asked.write_text(json.dumps({name: about[name] for name in about if name != "mixed_share"}))
+    write_dataset(tmp_path, 1, **GIVEN)
     assert contents(tmp_path) == before
 
 
 @pytest.mark.parametrize(
-    "other", [{"seed": 2}, {"preset": "good"}, {"marker_share": 1.0}, {"mixed_share": 0.5}]
+    ("other", "says"),
+    [
+        *(
+            ({name: value}, "holds another data set .* other objects or settings")
+            for name, value in (
+                ("seed", 2),
+                ("preset", "good"),
+                ("marker_share", 1.0),
+                ("mixed_share", 0.5),
+                ("with_frames", False),
+                ("form", "huggingface"),
+            )
+        ),
+        ({"count": 2}, "was made for 7 clips, 2 were asked for; ask for at least as many, or"),
+        ({"objects": ()}, "found 7 clips of 0 objects; ask for some"),
+    ],
 )
-def test_a_folder_of_another_seed_or_setting_is_refused_and_kept(tmp_path, other):
-    given = {"seed": 1, "objects": OBJECTS, "preset": "draft"}
-    write_dataset(tmp_path, 1, **given)
-    before = contents(tmp_path)
-    with pytest.raises(UsageError, match="holds another data set"):
-        write_dataset(tmp_path, 1, **given | other)
-    assert contents(tmp_path) == before
-
-
-def test_a_smaller_data_set_is_refused_and_no_clip_is_lost(tmp_path):
-    write_dataset(tmp_path, 4, seed=1, objects=OBJECTS)
-    before = contents(tmp_path)
-    with pytest.raises(UsageError) as caught:
-        write_dataset(tmp_path, 2, seed=1, objects=OBJECTS)
-    assert str(caught.value) == (
-        f"{tmp_path} was made for 4 clips, 2 were asked for; ask for at least as many, or choose "
-        f"an empty folder."
-    )
-    assert contents(tmp_path) == before
+def test_a_folder_of_another_data_set_is_refused_and_kept(whole, other, says):
+    before = contents(whole)
+    with pytest.raises(UsageError, match=says):
+        write_dataset(whole, **{"count": 7, **GIVEN, **other})
+    assert contents(whole) == before
 
 
 @pytest.mark.parametrize("content", ["{", "[]", '{"seed": 1}'])
 def test_a_folder_that_does_not_say_what_it_holds_is_refused(tmp_path, content):
     (tmp_path / "dataset.json").write_text(content)
     with pytest.raises(UsageError, match="does not say what the folder holds"):
-        write_dataset(tmp_path, 2, seed=1, objects=OBJECTS)
+        write_dataset(tmp_path, 2, **GIVEN)
 
 
 @pytest.mark.slow
-def test_the_number_of_workers_does_not_change_a_byte(tmp_path):
-    one, two = tmp_path / "one", tmp_path / "two"
-    for folder, workers in ((one, 1), (two, 2)):
-        write_dataset(folder, 6, seed=1, objects=OBJECTS, preset="draft", workers=Workers(workers))
-    assert contents(one) == contents(two)
+def test_the_number_of_workers_does_not_change_a_byte(whole, tmp_path):
+    assert contents(write_dataset(tmp_path, 7, workers=Workers(2), **GIVEN)) == contents(whole)
 
 
-def _die(options, shard):
-    os._exit(9)
+def test_labels_only_are_those_of_the_whole_data_set_without_its_pictures(whole, tmp_path):
+    write_dataset(tmp_path, 3, with_frames=False, **GIVEN)
+    pictured, bare = (read_shard(folder / "shard-00000.npz") for folder in (whole, tmp_path))
+    assert set(pictured) - set(bare) == {"frames", "backgrounds"}
+    assert all(np.array_equal(bare[name], pictured[name]) for name in set(bare) - {"labels"})
+    card = (tmp_path / "README.md").read_text()
+    assert "No picture was made" in card
+    assert "`frames`" not in card
 
 
-@pytest.mark.slow
-def test_a_killed_worker_is_told_instead_of_waited_for(tmp_path, monkeypatch):
-    monkeypatch.setattr(dataset, "_write_shard", _die)
-    with pytest.raises(GeoTLMError, match="^A worker was ended from outside"):
-        write_dataset(tmp_path, 6, seed=1, objects=OBJECTS, workers=Workers(2))
+def test_datasets_reads_every_clip_of_a_table_as_the_archive_holds_it(whole, tmp_path):
+    pytest.importorskip("pyarrow", reason="needs pyarrow, of the extra track")
+    datasets = pytest.importorskip("datasets", reason="needs datasets, of the extra dev")
+    out = write_dataset(tmp_path / "out", 3, form="huggingface", **GIVEN)
+    arrays = read_shard(whole / "shard-00000.npz")
+    labels = json.loads(str(arrays["labels"]))
+    clips = datasets.load_dataset(str(out), split="train", cache_dir=str(tmp_path / "cache"))
+    for place, clip in enumerate(clips):
+        frames = np.stack([np.asarray(clip[f"frame_{number}"]) for number in range(4)])
+        assert np.array_equal(frames, arrays["frames"][place])
+        assert np.array_equal(clip["contact"], arrays["contact"][place])
+        assert clip["rotation_deg"] == pytest.approx(labels[place]["rotation_deg"])
+        label = MotionLabel.from_dict(json.loads(clip["label"]))
+        assert label == MotionLabel.from_dict(labels[place])
+    assert 'data_files: "shard-*.parquet"' in (out / "README.md").read_text()
+    before, table = contents(out), out / "shard-00000.parquet"
+    table.write_bytes(table.read_bytes()[:5000])
+    assert contents(write_dataset(out, 3, form="huggingface", **GIVEN)) == before
 
 
-def test_a_run_that_is_broken_off_ends_its_workers_and_not_its_callers_processes(tmp_path):
-    mine = multiprocessing.get_context("spawn").Process(target=time.sleep, args=(60,))
-
-    def start_and_fail(what, done, total):
-        mine.start()
-        raise ZeroDivisionError
-
-    options = {"preset": "draft", "workers": Workers(2), "progress": start_and_fail}
-    with pytest.raises(ZeroDivisionError):
-        write_dataset(tmp_path, 60, seed=1, objects=OBJECTS, **options)
-    try:
-        assert multiprocessing.active_children() == [mine]
-    finally:
-        mine.kill()
-        mine.join()
-
-
-def test_drift_is_kept_where_it_was_asked_for(tmp_path):
-    write_dataset(tmp_path, 2, seed=1, objects=OBJECTS, preset="draft", with_drift=True)
-    arrays, _ = read_shard(tmp_path / "shard-00000.npz")
-    assert arrays["drift_px"].shape == (2, 4, 14, 14, 2)
-    assert "preset\ndraft" in (tmp_path / "README.md").read_text()
-    about = json.loads((tmp_path / "dataset.json").read_text())
-    assert (about["preset"], about["with_drift"]) == ("draft", True)
-
-
-def test_labels_only_are_those_of_the_whole_data_set_without_its_pictures(tmp_path):
-    whole, bare = tmp_path / "whole", tmp_path / "bare"
-    for folder, wanted in ((whole, True), (bare, False)):
-        write_dataset(folder, 2, seed=1, objects=OBJECTS, preset="draft", with_frames=wanted)
-    (seen, _), (told, labels) = (read_shard(one / "shard-00000.npz") for one in (whole, bare))
-    assert set(seen) - set(told) == {"frames", "backgrounds"}
-    assert all(np.array_equal(values, seen[name]) for name, values in told.items())
-    assert len(labels) == 2
-    assert "No picture was made" in (bare / "README.md").read_text()
-    assert "`frames`" not in (bare / "README.md").read_text()
-    with pytest.raises(UsageError, match="other objects or settings"):
-        write_dataset(bare, 2, seed=1, objects=OBJECTS, preset="draft")
+def test_without_pyarrow_the_extra_is_named(tmp_path, monkeypatch):
+    monkeypatch.setattr(dataset, "find_spec", lambda name: None)
+    with pytest.raises(MissingDependency, match=r"written with pyarrow, .*'geotlm-lm\[track\]'"):
+        write_dataset(tmp_path, 1, form="huggingface", **GIVEN)
 
 
 WRITER = """
 import sys
 from pathlib import Path
 from geotlm_lm.simulation import dataset
-from geotlm_lm.workers import Workers
-from tests.process_groups import in_proc, members
+from geotlm_lm.runs.run import Workers
 
 if __name__ == "__main__":
     dataset.SHARD_CLIPS = 3
-    out, workers = Path(sys.argv[1]), Workers(int(sys.argv[2]))
     objects = ("block", "cloth_coarse")
-    dataset.write_dataset(out, 18, seed=1, objects=objects, workers=workers, preset="draft")
+    options = {"seed": 1, "objects": objects, "preset": "draft", "workers": Workers(2)}
+    dataset.write_dataset(Path(sys.argv[1]), 18, **options)
 """
 
 
 @pytest.mark.slow
 def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path):
-    program, whole, killed = tmp_path / "writer.py", tmp_path / "whole", tmp_path / "killed"
+    program, killed = tmp_path / "writer.py", tmp_path / "killed"
     program.write_text(WRITER)
-    command = [sys.executable, str(program), str(killed), "2"]
-    write_dataset(whole, 18, seed=1, objects=OBJECTS, preset="draft")
+    command = [sys.executable, str(program), str(killed)]
+    once = write_dataset(tmp_path / "whole", 18, **GIVEN)
     run = subprocess.Popen(command)
     while not list(killed.glob("shard-*.npz")) and run.poll() is None:
         time.sleep(0.002)
@@ -199,15 +184,11 @@ def test_after_kill_9_a_resumed_run_has_lost_and_repeated_nothing(tmp_path):
     assert 0 < len(kept) < 6
     assert subprocess.run(command).returncode == 0
     # A worker whose parent was killed ends within a moment; what it had begun has another name.
-    finished = {path: path.stat().st_mtime_ns for path in kept}
-    assert finished == kept
-    shards = sorted(killed.glob("shard-*.npz"))
-    indices = np.concatenate([read_shard(path)[0]["index"] for path in shards])
-    assert indices.tolist() == list(range(18))
-    for path in [*shards, killed / "README.md", killed / "dataset.json"]:
-        assert path.read_bytes() == (whole / path.name).read_bytes()
+    assert {path: path.stat().st_mtime_ns for path in kept} == kept
+    assert contents(once).items() <= contents(killed).items()
 
 
+@pytest.mark.slow
 @in_proc
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp_path, number):
@@ -228,27 +209,10 @@ def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp
         else:
             run.send_signal(number)
         try:
-            _, told = run.communicate(timeout=8)  # until no worker holds its end of the pipe
+            _, printed = run.communicate(timeout=8)  # until no worker holds its end of the pipe
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(run.pid, signal.SIGKILL)
     assert run.returncode == (130 if number == signal.SIGINT else -number)
-    assert told == "Stopped; files already complete are kept.\n"
+    assert printed == "Stopped; files already complete are kept.\n"
     assert [path.name for path in (tmp_path / "set").iterdir()] == ["dataset.json"]
-
-
-@pytest.mark.skipif(os.name == "nt", reason="a process is ended there without being asked")
-def test_a_worker_asked_to_end_while_it_writes_leaves_the_whole_shard(tmp_path, monkeypatch):
-    def asked(*arguments):
-        signal.raise_signal(signal.SIGTERM)
-        return save(*arguments)
-
-    save = dataset._save
-    monkeypatch.setattr(dataset, "_save", asked)
-    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        with pytest.raises(KeyboardInterrupt):
-            write_dataset(tmp_path, 1, seed=1, objects=OBJECTS, preset="draft")
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    assert read_shard(tmp_path / "shard-00000.npz")[0]["index"].tolist() == [0]

@@ -1,11 +1,15 @@
-"""Expected values: closed-form limits of a bonded layer (Johnson, Contact Mechanics)."""
+"""Expected values: limits of a bonded layer, and Love's and Cerruti's closed forms of a half-space.
+
+All are in Johnson, Contact Mechanics, 3.2 and 3.6.
+"""
 
 import numpy as np
 import pytest
 import torch
 from scipy.linalg import expm
 
-from geotlm_lm.simulation.elastic import LayerOperator, layer_spectra
+from geotlm_lm.simulation.elastic import HalfSpaceOperator, LayerOperator, layer_spectra
+from geotlm_lm.simulation.solvers import cell_centres
 
 
 def compliance(k, nu, h=4.0, **options):
@@ -71,15 +75,6 @@ def test_the_closed_form_solves_the_boundary_value_problem(nu, k):
     assert dragged == pytest.approx(np.array([ll, 1j * lz]), rel=1e-9, abs=1e-9)
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-def test_short_waves_shear_and_couple_as_on_a_half_space(nu):
-    k = 30.0
-    spectra = layer_spectra(np.array([k]), thickness_mm=4.0, poisson_ratio=nu)
-    assert spectra.ll[0] == pytest.approx((1 - nu) / k, rel=1e-6)
-    assert spectra.tt[0] == pytest.approx(1 / k, rel=1e-6)
-    assert spectra.lz[0] == pytest.approx(-(1 - 2 * nu) / (2 * k), rel=1e-6, abs=1e-9)
-
-
 def fields(side=24, seed=0):
     generator = torch.Generator().manual_seed(seed)
     draw = {"generator": generator, "dtype": torch.float64}
@@ -89,17 +84,6 @@ def fields(side=24, seed=0):
 def operator(nu=0.49, side=24, **options):
     size = {"thickness_mm": 1.5, "poisson_ratio": nu, "dtype": torch.float64}
     return LayerOperator(side, 12.0, **size | options)
-
-
-@pytest.mark.parametrize("side", [24, 25])
-def test_what_drag_lifts_pressure_spreads(side):
-    """Betti: the work of either load on the other's displacement is the same."""
-    pressure, traction = fields(side)
-    layer = operator(side=side)
-    lifted = (layer.bulge(traction) * pressure).sum()
-    spread = (layer.spread(pressure) * traction).sum()
-    assert float(lifted) == pytest.approx(float(spread), rel=1e-10)
-    assert abs(float(spread)) > 1e-3
 
 
 def test_a_mirrored_load_moves_the_mirrored_surface():
@@ -119,11 +103,68 @@ def test_a_uniform_drag_shears_the_layer_by_its_thickness():
     assert float(moved[:, 0].abs().max()) < 1e-12
 
 
-def test_an_incompressible_pad_is_pushed_outwards_and_a_compressible_one_drawn_in():
-    """Near-incompressible layers couple with the opposite sign of the half-space's."""
-    pressure = torch.zeros(1, 24, 24, dtype=torch.float64)
-    pressure[:, 10:14, 10:14] = 1
-    right_of_it = (0, 0, 12, 17)
-    assert float(operator(nu=0.49).spread(pressure)[right_of_it]) > 0
-    thick = operator(nu=0.0, thickness_mm=40.0)
-    assert float(thick.spread(pressure)[right_of_it]) < 0
+SIDE, BOX = 33, 6.6
+
+
+def half_space(nu):
+    return HalfSpaceOperator(SIDE, BOX, poisson_ratio=nu)
+
+
+def square(width_cells):
+    load = torch.zeros(1, SIDE, SIDE, dtype=torch.float64)
+    low = (SIDE - width_cells) // 2
+    load[:, low : low + width_cells, low : low + width_cells] = 1
+    return load
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_a_uniform_square_sinks_as_love_says(nu):
+    # In the middle of a square of side L: (1 - nu) p / (2 pi G) * 4 L ln(1 + sqrt 2).
+    width = 11 * BOX / SIDE
+    sunk = half_space(nu).press(square(11))[0, SIDE // 2, SIDE // 2]
+    expected = (1 - nu) / (2 * np.pi) * 4 * width * np.log(1 + np.sqrt(2))
+    assert float(sunk) == pytest.approx(expected, rel=1e-12)
+
+
+def test_far_from_a_load_only_its_force_counts():
+    nu, cell = 0.3, BOX / SIDE
+    force = cell**2
+    x, y = cell_centres(SIDE, cell, torch.float64)
+    r = torch.hypot(x, y)
+    far = r > 15 * cell
+    load = square(1)
+    sunk = half_space(nu).press(load)[0][far]
+    assert sunk.numpy() == pytest.approx(
+        ((1 - nu) * force / (2 * np.pi * r[far])).numpy(), rel=2e-3
+    )
+    drawn = half_space(nu).spread(load)[0, 0][far]
+    expected = -(1 - 2 * nu) * force * x[far] / (4 * np.pi * r[far] ** 2)
+    assert drawn.numpy() == pytest.approx(expected.numpy(), rel=2e-3, abs=1e-9)
+    drag = torch.stack([load, 0 * load], dim=1)
+    along = half_space(nu).shear(drag)[0, 0][far]
+    expected = force / (2 * np.pi * r[far]) * ((1 - nu) + nu * x[far] ** 2 / r[far] ** 2)
+    assert along.numpy() == pytest.approx(expected.numpy(), rel=2e-3)
+
+
+def test_an_incompressible_half_space_does_not_couple():
+    assert float(half_space(0.5).spread(square(5)).abs().max()) < 1e-15
+
+
+@pytest.mark.parametrize("made", [operator, lambda: operator(side=25), lambda: half_space(0.2)])
+def test_what_drag_lifts_pressure_spreads(made):
+    """Betti: the work of either load on the other's displacement is the same."""
+    body = made()
+    pressure, traction = fields(body.side)
+    lifted = (body.bulge(traction) * pressure).sum()
+    spread = (body.spread(pressure) * traction).sum()
+    assert float(lifted) == pytest.approx(float(spread), rel=1e-10)
+    assert abs(float(spread)) > 1e-3
+
+
+@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
+def test_short_waves_on_a_layer_are_a_half_spaces(nu):
+    k = 30.0
+    spectra = layer_spectra(np.array([k]), thickness_mm=4.0, poisson_ratio=nu)
+    assert spectra.ll[0] == pytest.approx((1 - nu) / k, rel=1e-6)
+    assert spectra.tt[0] == pytest.approx(1 / k, rel=1e-6)
+    assert spectra.lz[0] == pytest.approx(-(1 - 2 * nu) / (2 * k), rel=1e-6, abs=1e-9)

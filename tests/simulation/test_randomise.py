@@ -6,8 +6,8 @@ import pytest
 
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.randomise import random_scene, random_scenes
-from geotlm_lm.simulation.simulate import simulate
+from geotlm_lm.simulation.randomise import random_scenes
+from geotlm_lm.simulation.simulate import simulate, simulate_series
 
 
 def test_every_motion_is_drawn_equally_often():
@@ -20,13 +20,6 @@ def test_a_scene_depends_only_on_its_place_in_the_series():
     whole = random_scenes(1, 20, objects=TRAINING_OBJECTS)
     assert random_scenes(1, 6, objects=TRAINING_OBJECTS, first_index=9) == whole[9:15]
     assert random_scenes(2, 20, objects=TRAINING_OBJECTS) != whole
-
-
-def test_a_ball_that_rotates_gets_texture_else_its_turn_would_be_unseen():
-    for seed in range(10):
-        rng = np.random.default_rng(seed)
-        drawn = random_scene(rng, object_name="ball_medium", motion=Motion.CLOCKWISE)
-        assert drawn.body.texture_um >= 15
 
 
 def test_few_rotations_are_unreadable_and_claimed_motions_touch():
@@ -80,6 +73,15 @@ def test_hands_are_steady_unless_asked_for_and_what_is_touched_is_drawn_before()
         return min(abs(path[-1] - path[0]) for path in paths)
 
     assert least_turn(unsteady) < np.radians(3) < least_turn(steady)
+
+
+def test_a_series_is_its_scenes_simulated():
+    scenes = random_scenes(9, 3, objects=TRAINING_OBJECTS, first_index=4, motions=DIRECTED)
+    expected = simulate(scenes, seed=9, first_index=4)
+    clips = simulate_series(9, 3, objects=TRAINING_OBJECTS, first_index=4, motions=DIRECTED)
+    for clip, same in zip(clips, expected, strict=True):
+        assert clip.label == same.label
+        assert np.array_equal(clip.clip.frames, same.clip.frames)
 
 
 def test_half_the_clips_come_out_of_a_video_and_some_out_of_jpegs(many):

@@ -31,13 +31,9 @@ def rigid(depth, x=0.0):
     return depth - height
 
 
-def test_the_object_nowhere_reaches_through_the_surface():
+def test_the_surface_lies_on_the_object_exactly_where_it_touches_and_never_behind():
     made = pressed(dome=0.0)
     assert np.all(made.indentation_mm[0] >= rigid(0.6) - 1e-5)
-
-
-def test_the_surface_lies_on_the_object_exactly_where_it_touches():
-    made = pressed(dome=0.0)
     gap = made.indentation_mm[0] - rigid(0.6)
     assert gap[made.touches[0]].max() <= 0.0201
     assert gap[~made.touches[0]].min() >= 0.0199
@@ -61,18 +57,7 @@ def test_a_frame_before_the_touch_is_exactly_flat():
     assert made.touches[2].any()
 
 
-def test_pressing_deeper_touches_more():
-    shares = pressed("ball_medium", depth=(0.2, 0.5, 0.9)).touches.mean(axis=(1, 2))
-    assert np.all(np.diff(shares) > 0)
-
-
-def test_a_crowned_pad_is_touched_less_away_from_its_crown():
-    flat, crowned = (pressed("ball_medium", x=6.0, dome=dome).touches.mean() for dome in (0.0, 1.3))
-    assert crowned < 0.9 * flat
-
-
-@pytest.mark.parametrize("count", [32, 48, 129])
-@pytest.mark.parametrize("power", [0, 1, 2])
+@pytest.mark.parametrize(("power", "count"), [(0, 32), (1, 48), (2, 129)])
 def test_from_cells_to_pixels_a_parabola_stays_exact(power, count):
     # Cubic convolution with a = -1/2 reproduces polynomials up to the second degree (Keys 1981).
     cells = (np.arange(count) - (count - 1) / 2) * BOX_MM / count

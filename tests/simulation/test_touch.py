@@ -12,9 +12,7 @@ from geotlm_lm.simulation.touch import Touch, simulate_touch
     ("numbers", "motion"),
     [
         ({"twist_deg": 20.0}, Motion.CLOCKWISE),
-        ({"twist_deg": -20.0, "slide_x_mm": 0.2}, Motion.COUNTERCLOCKWISE),
         ({"slide_x_mm": -1.0, "slide_y_mm": 0.4}, Motion.LEFT),
-        ({"slide_y_mm": 1.0}, Motion.DOWN),
         ({"object_name": "bead", "slide_y_mm": -0.5, "twist_deg": 12.0}, Motion.UP),
         ({"object_name": "coin", "slide_y_mm": -0.5, "twist_deg": 12.0}, Motion.CLOCKWISE),
         ({"press_mm": 0.3}, Motion.PRESS),
@@ -27,13 +25,13 @@ def test_a_touch_is_named_by_its_greater_path_at_its_own_contact(numbers, motion
     assert Touch(**numbers).motion is motion
 
 
-@pytest.mark.parametrize("name", ["key", "coin", "corner", "table_edge", "cable", "bead"])
+@pytest.mark.parametrize("name", ["key", "corner", "cable"])
 @pytest.mark.parametrize("move", [(20.0, 0.8, -0.2, 0.1), (-60.0, -5.0, 5.0, 0.8), (35.0, 0, 0, 0)])
 def test_the_label_holds_the_numbers_asked_for(name, move):
     made = simulate_touch(Touch(name, 0.6, *move, seed=3), with_drift=False)
     twist, size = made.twist, made.mm_per_px
-    found = (twist.turn_deg, twist.right_px * size[0], twist.down_px * size[1], twist.inward_mm)
-    assert found == pytest.approx(move, abs=0.02)
+    numbers = (twist.turn_deg, twist.right_px * size[0], twist.down_px * size[1], twist.inward_mm)
+    assert numbers == pytest.approx(move, abs=0.02)
     assert min(made.label.contact_fraction) > 0
 
 
@@ -45,15 +43,9 @@ def test_a_turn_about_an_axis_beside_the_contact_carries_it_along():
     assert down == pytest.approx(4 * (np.cos(np.radians(30)) - 1), abs=0.02)
 
 
-def test_a_touch_is_a_clip_with_its_drift():
-    made = simulate_touch(Touch("key", twist_deg=12.0, seed=3))
-    assert made.clip.frames.shape == (4, 224, 224, 3)
-    assert made.depth_mm.max() > 0.1
-    assert made.drift_px is not None
-
-
 def test_the_same_touch_is_the_same_clip_and_another_seed_another():
     first, again, other = (simulate_touch(Touch("key", seed=s)).clip.frames for s in (1, 1, 2))
+    assert first.shape == (4, 224, 224, 3)
     assert np.array_equal(first, again)
     assert not np.array_equal(first, other)
 

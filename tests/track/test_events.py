@@ -1,24 +1,28 @@
+"""Events, their legs and their rates: closed forms of paths that are known."""
+
 import numpy as np
 import pytest
 
-from geotlm_lm.track.events import EventFinder, EventKind, Moment
+from geotlm_lm.core.twist import Component
+from geotlm_lm.track.events import EventFinder, EventKind, Leg, Legs, Moment, Point, amount_of
+from tests.track.tracks import FPS, moving_track
 
-FRAMES, RADIUS_PX = 60, 50.0
+FRAMES, RADIUS_PX, COUNT, LEAST = 60, 50.0, 40, 2.5
 
 
 def kinds(turn_deg, right_px, frames=20):
     """Kinds of the events of a contact that turns and slides evenly in its middle."""
-    finder, found = EventFinder(), []
+    finder, events = EventFinder(), []
     for k in range(FRAMES):
         done = min(max(k - 20, 0) / frames, 1.0)
         way = done * np.array([turn_deg, right_px, 0.0, 0.0])
         doubt = k * 1e-3 * np.eye(4)
-        found += finder.push(Moment(k, k, k / 25, 1.0, True, way, doubt, RADIUS_PX))
-    return {event.kind for event in found + finder.finish()}
+        events += finder.push(Moment(k, k, k / 25, 1.0, True, way, doubt, RADIUS_PX))
+    return {event.kind for event in events + finder.finish()}
 
 
 @pytest.mark.parametrize(
-    ("turn_deg", "right_px", "frames", "is_told"),
+    ("turn_deg", "right_px", "frames", "is_event"),
     [
         (4.0, 0.0, 20, True),
         (4.0, 20.0, 20, False),  # as a path a sixth of the slide: it may be read of that
@@ -27,7 +31,84 @@ def kinds(turn_deg, right_px, frames=20):
         (8.0, 0.0, 1, True),
     ],
 )
-def test_a_turn_is_told_if_neither_a_slide_nor_one_wrong_step_explains_it(
-    turn_deg, right_px, frames, is_told
+def test_a_turn_is_event_if_neither_a_slide_nor_one_wrong_step_explains_it(
+    turn_deg, right_px, frames, is_event
 ):
-    assert (EventKind.TURN in kinds(turn_deg, right_px, frames)) == is_told
+    assert (EventKind.TURN in kinds(turn_deg, right_px, frames)) == is_event
+
+
+def legs_of(path, noise=0.0):
+    rng, finder, legs = np.random.default_rng(0), Legs(LEAST), []
+    for place, value in enumerate(np.asarray(path, float)):
+        at = np.atleast_1d(value) + rng.normal(0, noise, np.size(value))
+        legs += finder.push(Point(place, place / FPS, at))
+    return legs + finder.finish()
+
+
+def ramp(*stretches):
+    """Return a path that goes so far in so many frames, one stretch after the other."""
+    steps = [far / frames for far, frames in stretches for _ in range(frames)]
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def ends_near(legs, truth, frames=2):
+    assert len(legs) == len(truth)
+    for leg, (begin, end) in zip(legs, truth, strict=True):
+        assert abs(leg.begin - begin) <= frames
+        assert abs(leg.end - end) <= frames
+
+
+def test_turn_rest_and_turn_back_are_two_legs_with_their_ends():
+    path = ramp((0, 20), (40, 20), (0, 15), (-20, 15), (0, 20))
+    ends_near(legs_of(path, noise=0.1), [(20, 40), (55, 70)])
+
+
+def test_turning_back_without_a_rest_ends_a_leg_where_the_path_bends():
+    ends_near(legs_of(ramp((0, 10), (30, 15), (-25, 15), (0, 15))), [(10, 25), (25, 40)])
+
+
+def test_noise_and_creeping_are_no_legs():
+    assert legs_of(np.zeros(100), noise=0.3) == []
+    assert legs_of(ramp((4.0, 200))) == []
+
+
+def test_a_path_in_the_plane_ends_a_leg_at_a_corner():
+    along, across = ramp((0, 5), (20, 15), (0, 30)), ramp((0, 20), (20, 15), (0, 15))
+    ends_near(legs_of(np.stack([along, across], axis=1)), [(5, 20), (20, 35)])
+
+
+def test_the_same_path_gives_the_same_legs_wherever_it_starts():
+    path = ramp((0, 12), (-15, 12), (0, 20))
+    assert legs_of(path) == legs_of(path + 1000) == [Leg(12, 24)]
+
+
+def steps_of(turn=0.0, right=0.0, down=0.0, inward=0.0):
+    return np.tile([turn, right, down, inward], (COUNT, 1))
+
+
+def test_what_moves_evenly_has_one_rate():
+    rates, _ = moving_track(steps_of(0.6, -0.4, 0.2, 0.01), ()).rates()
+    assert rates == pytest.approx(FPS * steps_of(0.6, -0.4, 0.2, 0.01))
+
+
+def test_a_deviation_is_that_of_the_amount_in_its_time():
+    track = moving_track(steps_of(turn=0.6), ())
+    first, last = 18, 22  # a tenth of a second on both sides of frame 20, in whole frames
+    steps = slice(first + 1, last + 1)
+    way, own = track.twists[steps].sum(axis=0), track.covariances[steps].sum(axis=0)
+    wanted = amount_of(Component.TURN, way, own).deviation / ((last - first) / FPS)
+    assert track.rates()[1][20, 0] == pytest.approx(wanted)
+
+
+def test_without_contact_nothing_moves_and_that_is_sure():
+    contact = np.repeat([0.01, 0.99], COUNT // 2)
+    track = moving_track(steps_of() * 0, (), contact=contact)
+    rates, deviations = track.rates()
+    assert not rates.any()
+    assert not deviations[: COUNT // 2 - 3].any()
+    assert (deviations[COUNT // 2 :] > 0).all()
+
+
+def test_a_single_frame_has_no_rate():
+    rates, deviations = moving_track(steps_of(0.6)[:1], ()).rates()
+    assert (rates.tolist(), deviations.tolist()) == ([[0.0] * 4], [[0.0] * 4])

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.imprints import FAINT_IMPRINT
-from geotlm_lm.track.idle_tracker import LEARNING_FRAMES, STEADY_FRAMES, IdleTracker
+from geotlm_lm.recordings.idle import FAINT_IMPRINT
+from geotlm_lm.track.exposure import LEARNING_FRAMES, STEADY_FRAMES, IdleTracker
 
 ROWS, COLUMNS = 120, 160
 

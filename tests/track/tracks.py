@@ -3,8 +3,7 @@
 import numpy as np
 
 from geotlm_lm.core.twist import Twist
-from geotlm_lm.track.amounts import Span
-from geotlm_lm.track.events import COMPONENT_OF, MOVING, Event, EventKind
+from geotlm_lm.track.events import COMPONENT_OF, MOVING, Event, EventKind, Span
 from geotlm_lm.track.track import Track
 
 FPS = 25.0

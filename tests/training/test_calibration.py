@@ -3,7 +3,11 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.training.calibration import fit_contact_threshold, fit_temperature
+from geotlm_lm.training.calibration import (
+    expected_calibration_error,
+    fit_contact_threshold,
+    fit_temperature,
+)
 
 
 @pytest.mark.parametrize("temperature", [0.5, 1.0, 3.0])
@@ -25,3 +29,12 @@ def test_where_shares_overlap_contact_is_not_missed():
     share = np.r_[np.linspace(0.0, 0.3, 500), np.linspace(0.1, 0.5, 500)]
     threshold = fit_contact_threshold(share, np.arange(1000) >= 500)
     assert np.mean(share[500:] < threshold) <= 0.01
+
+
+def test_the_error_is_the_gap_weighted_by_how_often_it_is_met():
+    # Three answers stated at 0.9, one of them right (gap 0.9 - 1/3); one at 0.5, right (gap 0.5).
+    confidence, is_right = [0.9, 0.9, 0.9, 0.5], [True, False, False, True]
+    expected = (3 * (0.9 - 1 / 3) + 0.5) / 4
+    assert expected_calibration_error(confidence, is_right) == pytest.approx(expected)
+    # Too sure and too unsure do not cancel.
+    assert expected_calibration_error([1.0, 0.0], [False, True]) == 1.0

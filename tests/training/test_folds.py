@@ -11,10 +11,16 @@ from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
 from geotlm_lm.training import folds
-from geotlm_lm.training.folds import Recipe, standardise_fold, train_on_fold
+from geotlm_lm.training.folds import (
+    Fold,
+    Recipe,
+    initialise_from_truth,
+    leave_one_object_out,
+    object_folds,
+    standardise_fold,
+    train_on_fold,
+)
 from geotlm_lm.training.geometry import ALL_MOTIONS
-from geotlm_lm.training.least_squares_start import initialise_from_truth
-from geotlm_lm.training.object_folds import Fold
 from tests.training.moving_tokens import token_set
 
 FOLD = Fold(np.arange(0, 120), np.arange(120, 160), np.arange(160, 240), ("x",))
@@ -113,3 +119,19 @@ def test_rates_are_the_papers():
     assert (folds.WEIGHT_DECAY, folds.BATCH) == (0.01, 32)
     grouped = sum(len(group["params"]) for group in reader.rates())
     assert grouped == len(list(reader.parameters()))
+
+
+OBJECTS = [f"object {number % 11}" for number in range(130)]
+
+
+@pytest.mark.parametrize(
+    "folds", [object_folds(OBJECTS, 5, seed=3), leave_one_object_out(OBJECTS, seed=3)]
+)
+def test_no_object_stands_in_two_parts_of_a_fold_and_each_row_is_tested_once(folds):
+    for fold in folds:
+        parts = [{OBJECTS[row] for row in rows} for rows in (fold.train, fold.val, fold.test)]
+        assert all(parts)
+        assert sum(map(len, parts)) == len(set.union(*parts)) == 11
+        assert parts[2] == set(fold.held_out)
+        assert sorted([*fold.train, *fold.val, *fold.test]) == list(range(len(OBJECTS)))
+    assert sorted(np.concatenate([fold.test for fold in folds])) == list(range(len(OBJECTS)))

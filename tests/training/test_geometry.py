@@ -7,8 +7,8 @@ import pytest
 import torch
 
 from geotlm_lm.training import geometry
-from geotlm_lm.training.dense_targets import DenseHeads
 from geotlm_lm.training.geometry import better_mode, train_geometry, train_global_probe
+from geotlm_lm.training.pretraining import DenseHeads
 from tests.training.moving_tokens import token_set
 
 torch.manual_seed(0)

@@ -10,14 +10,16 @@ import pytest
 
 from tests.process_groups import in_proc, members
 
+pytestmark = pytest.mark.slow
+
 WITH_WORKERS = 4
 """The command, what tracks its resources, and two workers."""
 
 SIMULATE = """
 import sys
 from pathlib import Path
-from geotlm_lm.training import run_folder, train
-run_folder.write_text_atomically(Path(sys.argv[1]) / "ready", "")
+from geotlm_lm.training import config, train
+config.write_text_atomically(Path(sys.argv[1]) / "ready", "")
 from geotlm_lm.cli.main import main
 main(["train", "--preset", "smoke", "--out", sys.argv[1], "--workers", "2"])
 """

@@ -10,13 +10,16 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.language.slots import SLOTS
-from geotlm_lm.training.drawing import draw_clips, drawing_shares
-from geotlm_lm.training.felt import UNASKED, felt_loss, felt_words
 from geotlm_lm.training.language import (
     SILENT_SHARE,
+    UNASKED,
     LanguageTraining,
     _disturbed,
     answer_loss,
+    draw_clips,
+    drawing_shares,
+    felt_loss,
+    felt_words,
     learning_rate_at,
     new_speaker,
     train_language,

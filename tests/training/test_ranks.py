@@ -11,7 +11,7 @@ import torch
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
 from geotlm_lm.training import reading
-from geotlm_lm.training.checkpoint import load_checkpoint
+from geotlm_lm.training.fit import load_checkpoint
 from geotlm_lm.training.ranks import ALONE, Ranks, device_named
 from tests.training.shared_steps import STEPS, curves
 
@@ -58,6 +58,7 @@ def resumed(together):
     return curves(together[0], ALONE)
 
 
+@pytest.mark.slow
 def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together, resumed):
     (_, straight), (_, (first, second)) = alone, together
     assert first == second  # each knows the loss of the whole batch
@@ -68,6 +69,7 @@ def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together,
         assert first[name] + resumed[name] == pytest.approx(losses, rel=1e-3), name
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("resumed")
 def test_two_ranks_and_then_one_end_at_the_weights_of_one(alone, together):
     for name in ("backbone.pt", "language_checkpoint.pt", "reader_checkpoint.pt"):

@@ -10,7 +10,7 @@ from geotlm_lm.data.questions import questions_for
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.training.felt import UNASKED, felt_words
+from geotlm_lm.training.language import UNASKED, felt_words
 from geotlm_lm.training.scoring import (
     ClipSet,
     felt_likelihoods,

@@ -22,10 +22,12 @@ from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.types import Query
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.training import config, examples, language, reading, train
+from geotlm_lm.training.config import example_sets
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
 from geotlm_lm.training.reading import ReadingTraining
-from geotlm_lm.training.run_folder import example_sets
+
+pytestmark = pytest.mark.slow
 
 TINY = replace(
     config.SMOKE,

@@ -1,1 +1,0 @@
-"""Released encoders: names in their files, preparation of pixels, and the tokens they return."""

@@ -1,0 +1,188 @@
+"""What every benchmark is made of, and how it is run: `Variant x Case -> Row`. Knows no model.
+
+A bench has sections; a section gives rows and says how they are shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.core.record import RunRecord
+from geotlm_lm.runs.run import ALONE, Workers
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer
+
+Size = TypeVar("Size")
+
+Share = Callable[[], Iterable["Row"]]
+"""Gives some of a section's rows."""
+
+WHOLE, QUICK = "whole", "quick"
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one variant (a method, a model, a preset) made of one case (a set of clips, a scene).
+
+    `error` is the share of wrong answers, or a distance in `unit` ("deg", "um"), None where nothing
+    is graded; `interval` its 95 % interval, objects resampled as wholes. `outcome` is the result in
+    words where numbers do not say it, `detail` what else the section shows, as plain JSON values.
+    """
+
+    case: str
+    variant: str
+    count: int = 1
+    error: float | None = None
+    unit: str = "share"
+    interval: tuple[float, float] | None = None
+    ms_p50: float | None = None
+    ms_p95: float | None = None
+    memory_mib: float | None = None
+    outcome: str = ""
+    detail: Mapping[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields that say something, as plain JSON values."""
+        empty = (None, "", {})
+        return {name: value for name, value in asdict(self).items() if value not in empty}
+
+    @classmethod
+    def from_dict(cls, values: Mapping[str, Any]) -> Row:
+        """Read what `to_dict` gave."""
+        row = dict(values)
+        if "interval" in row:
+            row["interval"] = tuple(row["interval"])
+        return cls(**row)
+
+    @property
+    def right(self) -> float | None:
+        """Share of right answers; None where no share is graded."""
+        return None if self.error is None or self.unit != "share" else 1 - self.error
+
+
+@dataclass(frozen=True)
+class EncoderFile:
+    """File of a released encoder, its adapter (None: told by the file) and its attention heads."""
+
+    weights: Path
+    name: str | None = None
+    heads: int | None = None
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a bench is run, and what it is run on.
+
+    Args:
+        seed: Root of clips, questions and resampling.
+        clips: Simulated clips of each task where a section judges motions; None for its own number.
+        is_quick: Whether to see in under two minutes that everything runs; proves nothing.
+        real: Folder of labelled recordings; None leaves them out.
+        data: Public data sets judged in addition.
+        model: A bundle's folder; None for the one that ships.
+        encoder: Whose tokens the paper's protocols are run on; None for the embedded backbone.
+        folder: Keeps what a stopped run need not do again.
+        answerer_given: A model that is loaded already.
+        workers: Who runs shares of sections; numbers but times do not depend on it.
+    """
+
+    seed: int = 0
+    clips: int | None = None
+    is_quick: bool = False
+    real: Path | None = None
+    data: Sequence[Path] = ()
+    model: Path | None = None
+    encoder: EncoderFile | None = None
+    folder: Path = Path("runs/bench")
+    progress: Progress = silent
+    answerer_given: Answerer | None = None
+    workers: Workers = ALONE
+
+    @cached_property
+    def answerer(self) -> Answerer:
+        """The model, loaded once and only if a section asks for it."""
+        if self.answerer_given is not None:
+            return self.answerer_given
+        from geotlm_lm.answering.loaded import loaded
+
+        return loaded(self.model)
+
+    def size(self, whole: Size, quick: Size) -> Size:
+        """Return how much of something is done: `whole`, or `quick` of a quick run."""
+        return quick if self.is_quick else whole
+
+
+@dataclass(frozen=True)
+class Listing:
+    """One line per row; `columns` gives the text of a cell by the column's title."""
+
+    columns: Mapping[str, Callable[[Row], str]]
+
+
+@dataclass(frozen=True)
+class Pivot:
+    """One line per case and one column per variant, in order of appearance.
+
+    `corner` is the title of the column of cases.
+    """
+
+    cell: Callable[[Row], str]
+    corner: str = "clips"
+    with_count: bool = True
+
+
+@dataclass(frozen=True)
+class Section:
+    """One part of a bench.
+
+    Args:
+        name: For the command line and the record.
+        title: For people.
+        about: What is measured and how to read it, Markdown.
+        run: Gives the rows.
+        views: How they are shown, one table each; title -> (view, which rows it shows).
+        figure: Draws the rows into a file, where a picture shows more than a table.
+        headline: The rows in a few lines of Markdown, for the page and the README.
+        shares: Gives the same rows, in order, in independent shares by name: workers take one
+            each, and a stopped run keeps them. None where all is one share.
+    """
+
+    name: str
+    title: str
+    about: str
+    run: Callable[[Run], Iterable[Row]]
+    views: Mapping[str, tuple[Listing | Pivot, Callable[[Row], bool]]]
+    figure: Callable[[Sequence[Row], Path], None] | None = None
+    headline: Callable[[Sequence[Row]], str] | None = None
+    shares: Callable[[Run], Mapping[str, Share]] | None = None
+
+
+@dataclass(frozen=True)
+class Bench:
+    """One table of the benchmarks, with what it answers in Markdown, and its sections in order."""
+
+    name: str
+    title: str
+    about: str
+    sections: tuple[Section, ...]
+
+    def section(self, name: str) -> Section:
+        """Return a section by name."""
+        return next(section for section in self.sections if section.name == name)
+
+
+def every(row: Row) -> bool:
+    """Show all rows of a section in one table."""
+    return True
+
+
+def rows_of(record: RunRecord, section: str) -> list[Row]:
+    """Return the rows of a recorded section; none where it was not run."""
+    recorded = record.numbers["sections"].get(section, {"rows": []})
+    return [Row.from_dict(row) for row in recorded["rows"]]
