@@ -1,20 +1,33 @@
-"""Start the page on this machine only (127.0.0.1)."""
+"""Start the page on this machine only (127.0.0.1), with a folder of its own for uploads."""
 
 from __future__ import annotations
 
+import os
 import runpy
+import shutil
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from geotlm_lm import GeoTLMError
 
 from .agents import require_mcp
-from .cache_folder import own_cache_folder
-from .error_display import gradio
+from .toolkit import gradio
+
+try:
+    import fcntl
+except ImportError:  # Windows: folders of servers that died stay
+    fcntl = None
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
+
+PREFIX = "geotlm-lm-app-"
+VARIABLE = "GRADIO_TEMP_DIR"
+"""Where the toolkit reads its folder from, as long as it serves."""
 
 
 def serve(
@@ -34,14 +47,14 @@ def serve(
         GeoTLMError: If the toolkit or the model is missing, or the port is taken.
     """
     with own_cache_folder():  # before the toolkit is imported, which looks for it
-        gradio()  # told before the model is loaded
+        gradio()  # refused before the model is loaded
         if mcp:
             require_mcp()
         _serve(port, mcp, recordings)
 
 
 def _serve(port: int | None, mcp: bool, recordings: Path | None) -> None:
-    from .lazy_answerer import LazyAnswerer
+    from .turns import LazyAnswerer
     from .ui import build, launch
 
     model = LazyAnswerer(_load)
@@ -64,6 +77,60 @@ def _load() -> Answerer:
     from geotlm_lm import Answerer
 
     return Answerer.load()
+
+
+@contextmanager
+def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
+    """Give this process a folder for uploads and pictures, and remove it in the end.
+
+    Folders of servers that died are removed first. A folder is in use while it is locked, which
+    ends with the process that holds the lock, however it ends. They lie in the system's temporary
+    folder, or in `parent`.
+    """
+    parent = Path(tempfile.gettempdir()) if parent is None else parent
+    for abandoned in parent.glob(f"{PREFIX}*") if fcntl else ():
+        with suppress(OSError):  # in use, or another's
+            lock = _locked(abandoned, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            shutil.rmtree(abandoned, ignore_errors=True)
+            os.close(lock)
+    folder, lock = _new_folder(parent)
+    before = os.environ.get(VARIABLE)
+    os.environ[VARIABLE] = str(folder)
+    try:
+        yield folder
+    finally:
+        if before is None:
+            del os.environ[VARIABLE]
+        else:
+            os.environ[VARIABLE] = before
+        shutil.rmtree(folder, ignore_errors=True)
+        if lock is not None:
+            os.close(lock)
+
+
+def _new_folder(parent: Path) -> tuple[Path, int | None]:
+    while True:
+        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))  # for this user alone
+        if fcntl is None:
+            return folder, None
+        with suppress(FileNotFoundError):
+            lock = _locked(folder, fcntl.LOCK_EX)
+            if folder.exists():  # else another server removed it before it was locked
+                return folder, lock
+            os.close(lock)
+
+
+def _locked(folder: Path, how: int) -> int:
+    """Return the lock of a folder of this user's, held until it is closed."""
+    lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
+    try:
+        if os.fstat(lock).st_uid != os.getuid():
+            raise PermissionError(folder)
+        fcntl.flock(lock, how)
+    except OSError:
+        os.close(lock)
+        raise
+    return lock
 
 
 if __name__ == "__main__":

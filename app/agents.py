@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import GeoTLMError, __version__
 from geotlm_lm.core.errors import MissingDependency
 
-from .budget import STATUS, Busy
-from .limits import AT_ONCE, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE
+from .guards import AT_ONCE, BUSY_STATUS, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE, Busy
 from .tools import Tool
-from .turns import LISTENER, TOLD_EVERY_S
+from .turns import LISTENER, REPORTED_EVERY_S
 
 if TYPE_CHECKING:
     from mcp.server.lowlevel import Server
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
 
 PATH = "mcp"
 """Where the protocol is served, below the page's address."""
-
-NAME = "geotlm-lm"
 
 INSTRUCTIONS = (
     "A camera-based touch sensor (GelSight) records how a touched object moves. Call `recordings` "
@@ -46,40 +43,34 @@ def require_mcp() -> None:
             "--mcp needs the package mcp, which is not installed; "
             "run `pip install 'geotlm-lm[mcp]'`."
         )
-    found = version("mcp")
-    if not found.startswith("1."):
+    installed = version("mcp")
+    if not installed.startswith("1."):
         raise MissingDependency(
-            f"--mcp needs the package mcp from 1.30 to below 2, found {found}; "
+            f"--mcp needs the package mcp from 1.30 to below 2, found {installed}; "
             f"run `pip install 'geotlm-lm[mcp]'`. Clients may use any version."
         )
 
 
 class AgentServer:
-    """Serves tools over streamable HTTP; every request stands by itself, so none is remembered.
+    """Serves tools over streamable HTTP (ASGI); each request stands by itself, none is remembered.
 
-    Each is answered by a stream of events, not by JSON alone: it may be told of its progress.
-
-    Args:
-        tools: That agents may call.
+    Each is answered by a stream of events, not by JSON alone: progress may come before the result.
     """
 
     def __init__(self, tools: list[Tool]) -> None:
         from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
 
         self._manager = StreamableHTTPSessionManager(
-            server_of(tools),
-            stateless=True,
-            max_request_body_size=MESSAGE_BYTES,
+            server_of(tools), stateless=True, max_request_body_size=MESSAGE_BYTES
         )
 
     async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
-        """Answer a request (ASGI)."""
+        """Answer a request."""
         await self._manager.handle_request(scope, receive, send)
 
     @asynccontextmanager
-    async def lifespan(self, app: Any) -> AsyncIterator[None]:
+    async def lifespan(self, _: Any) -> AsyncIterator[None]:
         """Run as long as the page is served."""
-        del app
         async with self._manager.run():
             yield
 
@@ -90,7 +81,7 @@ def server_of(tools: list[Tool]) -> Server:
     from mcp import types
     from mcp.server.lowlevel import Server
 
-    server = Server(NAME, version=__version__, instructions=INSTRUCTIONS)
+    server = Server("geotlm-lm", version=__version__, instructions=INSTRUCTIONS)
     known = {tool.name: tool for tool in tools}
     limiter = CapacityLimiter(AT_ONCE)
 
@@ -114,25 +105,25 @@ def server_of(tools: list[Tool]) -> Server:
             if name not in known:
                 raise GeoTLMError(f"There is no tool {name[:80]!r}; there are {', '.join(known)}.")
             run = partial(to_thread.run_sync, known[name].call, arguments, limiter=limiter)
-            result = await _heard(run, server.request_context)
+            result = await _with_progress(run, server.request_context)
         except GeoTLMError as error:
-            told = [types.TextContent(type="text", text=str(error))]
-            about = {"_meta": {"status": STATUS}} if isinstance(error, Busy) else {}
-            return types.CallToolResult(content=told, isError=True, **about)
+            sentence = [types.TextContent(type="text", text=str(error))]
+            about = {"_meta": {"status": BUSY_STATUS}} if isinstance(error, Busy) else {}
+            return types.CallToolResult(content=sentence, isError=True, **about)
         return types.CallToolResult(content=_content(result), structuredContent=result)
 
     return server
 
 
-async def _heard(run: Callable[[], Awaitable[Any]], context: RequestContext[Any, Any]) -> Any:
-    """Return what a request comes to; a client that wants to know is told how far it is."""
+async def _with_progress(run: Callable[[], Awaitable[Any]], context: RequestContext) -> Any:
+    """Return the result of a request, and send its progress to a client that asked for it."""
     from anyio import create_task_group
 
     token = None if context.meta is None else context.meta.progressToken
     if token is None or len(str(token)) > NAME_CHARACTERS:
         return await run()
     progress, failed, result = _Progress(), None, None
-    LISTENER.set(progress.tell)
+    LISTENER.set(progress.report)
     async with create_task_group() as group:
         group.start_soon(progress.send, context, token)
         try:
@@ -146,30 +137,25 @@ async def _heard(run: Callable[[], Awaitable[Any]], context: RequestContext[Any,
 
 
 class _Progress:
-    """How far a request is: told by the thread that works, never waiting; sent to who asked."""
+    """How far a request is: reported by the thread that works, which never waits for the client."""
 
     def __init__(self) -> None:
         self._latest: tuple[str, int, int] | None = None
         self._is_left = False
 
-    def tell(self, what: str, done: int, total: int) -> None:
-        """Keep what is to be sent next.
-
-        Raises:
-            GeoTLMError: If nobody is there any more to be told.
-        """
+    def report(self, what: str, done: int, total: int) -> None:
         if self._is_left:
             raise GeoTLMError("The client that asked has left.")
         self._latest = (what, done, total)
 
-    async def send(self, context: RequestContext[Any, Any], token: str | int) -> None:
-        """Send it on, a few times a second, until cancelled."""
+    async def send(self, context: RequestContext, token: str | int) -> None:
+        """Send the latest report a few times a second, until cancelled."""
         from anyio import BrokenResourceError, ClosedResourceError, sleep
 
         notify, request, sent = context.session.send_progress_notification, context.request_id, 0
         while True:
-            await sleep(TOLD_EVERY_S)
-            # By the protocol it only grows: nothing is told of a second recording so far.
+            await sleep(REPORTED_EVERY_S)
+            # By the protocol it only grows: a second recording is silent as far as the first came.
             if self._latest is None or self._latest[1] <= sent:
                 continue
             what, sent, total = self._latest
@@ -181,7 +167,7 @@ class _Progress:
 
 
 def _content(result: dict[str, Any]) -> list[Any]:
-    """Return a result as JSON for those who read no structure; a picture as a picture."""
+    """Return a result as JSON for clients that read no structure; a picture as a picture."""
     from mcp import types
 
     if "png_base64" not in result:

@@ -9,25 +9,14 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import Exported, picture, plot_png
+from geotlm_lm import Exported, FrameSpec, Motion, picture, plot_png
 
-from . import handlers
-from . import parameters as p
-from .clip_loading import LoadedClip
-from .opened import OpenedRecordings
-from .results import (
-    AnswerResult,
-    ComparisonResult,
-    EvidenceFields,
-    Listing,
-    PictureResult,
-    SimulatedAnswer,
-    TrackResult,
-)
-from .simulation_handlers import simulate as simulate_and_ask
-from .simulation_handlers import touch_of
+from . import schema as p
+from .clips import LoadedClip, OpenedRecordings
+from .guards import EVENTS
+from .simulate_tab import simulate as simulate_and_ask
+from .simulate_tab import touch_of
 from .sources import Sources
-from .track_summary import summary_of
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -36,12 +25,7 @@ SAME_WAY = "Do they go the same way?"
 
 
 class Api:
-    """The functions programs call; each is documented where it is served.
-
-    Args:
-        answerer: The model.
-        sources: Find the recordings that are named or sent.
-    """
+    """The functions programs call; each is documented where it is served."""
 
     def __init__(self, answerer: Answerer, sources: Sources) -> None:
         self._answerer, self._sources = answerer, sources
@@ -51,16 +35,11 @@ class Api:
     def functions(self) -> tuple[Callable[..., Any], ...]:
         """All of them."""
         return (
-            self.recordings,
-            self.ask,
-            self.track,
-            self.compare,
-            self.simulate,
-            self.evidence,
-            self.picture,
+            *(self.recordings, self.ask, self.track, self.compare),
+            *(self.simulate, self.evidence, self.picture),
         )
 
-    def recordings(self) -> Listing:
+    def recordings(self) -> p.Listing:
         """List the recordings that other tools take by name, with kind and size, and examples."""
         return self._sources.listing()
 
@@ -77,7 +56,7 @@ class Api:
         contact_side: p.ContactSide = None,
         mm_per_px: p.MmPerPx = None,
         topic: p.Topic = None,
-    ) -> AnswerResult:
+    ) -> p.AnswerResult:
         """Answer a question about how the touched object in a recording moves.
 
         Returns the words, the direction as the frame of reference tells it, an amount with its
@@ -85,7 +64,7 @@ class Api:
         """
         frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
         shown = self._opened.open(recording, frames, topic)
-        return handlers.ask(self._answerer, shown, question, frame).details
+        return self._answerer.ask(shown.encoded, question, frame=frame).to_dict()
 
     def track(
         self,
@@ -98,7 +77,7 @@ class Api:
         mm_per_px: p.MmPerPx = None,
         rows: p.Rows = 0,
         topic: p.Topic = None,
-    ) -> TrackResult:
+    ) -> p.TrackResult:
         """Tell what happens in a recording: events with begin, end, way, amount and probability.
 
         Returns also what it comes to, net and there and back, when something touches, and notes;
@@ -122,7 +101,7 @@ class Api:
         mm_per_px: p.MmPerPx = None,
         first_topic: p.Topic = None,
         second_topic: p.Topic = None,
-    ) -> ComparisonResult:
+    ) -> p.ComparisonResult:
         """Tell whether the objects in two recordings move the same way, or answer about both.
 
         Returns the relation (same, opposite, different or unknown), in words too, and both answers.
@@ -132,7 +111,8 @@ class Api:
             self._opened.open(first, first_frames, first_topic),
             self._opened.open(second, second_frames, second_topic),
         ]
-        return handlers.compare(self._answerer, *shown, question=question, frame=frame)
+        clips = [clip.encoded for clip in shown]
+        return self._answerer.compare(*clips, question, frame=frame).to_dict()
 
     def simulate(
         self,
@@ -144,7 +124,7 @@ class Api:
         press_mm: p.PressMm = 0.0,
         thickness_mm: p.ThicknessMm = 4.0,
         seed: p.Seed = 0,
-    ) -> SimulatedAnswer:
+    ) -> p.SimulatedAnswer:
         """Simulate a touch of a GelSight-like sensor and answer about it; motions may be mixed.
 
         Returns which way it goes and how far, in words; the true motion, which components count,
@@ -162,12 +142,12 @@ class Api:
 
     def evidence(
         self, recording: p.Recording, frames: p.Frames = None, topic: p.Topic = None
-    ) -> EvidenceFields:
+    ) -> p.EvidenceFields:
         """Return the geometry a recording's answers rest on, without asking the language model.
 
         Returns contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
-        from geotlm_lm import regions_of
+        from geotlm_lm import regions_of  # with the model's libraries
 
         shown = self._opened.open(recording, frames, topic)
         return regions_of(shown.encoded) | {
@@ -184,7 +164,7 @@ class Api:
         frames: p.Frames = None,
         mm_per_px: p.MmPerPx = None,
         topic: p.Topic = None,
-    ) -> PictureResult:
+    ) -> p.PictureResult:
         """Draw a recording: four frames with what the model sees in them, or a track over time.
 
         Directions are those of the recorded image. Returns a PNG.
@@ -194,7 +174,7 @@ class Api:
             png = plot_png(Exported(track, mm_per_px), in_frames=not whole.is_timed)
             return _pictured(png, f"{whole.name}: turn, travel, contact and events over time")
         shown = self._opened.open(recording, frames, topic)
-        numbers = ", ".join(str(one) for one in shown.encoded.clip.frame_numbers)
+        numbers = ", ".join(str(number) for number in shown.encoded.clip.frame_numbers)
         name = "arrows" if shows == "overlay" else shows
         return _pictured(
             _sheet(shown, name), f"{shown.encoded.clip.name}: {shows}, frames {numbers}"
@@ -222,7 +202,7 @@ def _sheet(shown: LoadedClip, view: str) -> bytes:
     return png.tobytes()
 
 
-def _pictured(png: bytes, shows: str) -> PictureResult:
+def _pictured(png: bytes, shows: str) -> p.PictureResult:
     rows_at, columns_at = slice(20, 24), slice(16, 20)  # in the file's first chunk
     return {
         "shows": shows,
@@ -231,3 +211,60 @@ def _pictured(png: bytes, shows: str) -> PictureResult:
         "height_px": int.from_bytes(png[rows_at]),
         "png_base64": base64.b64encode(png).decode(),
     }
+
+
+def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.TrackResult:
+    """Return what the track of a recording, or of a span, comes to; so many rows at most."""
+    exported, edit = Exported(track, frame.mm_per_px), frame.edit
+    facts = exported.to_dict()
+    return {
+        "recording": recording.name,
+        "frame": frame.summary(),
+        "first_frame": int(track.numbers[0]),
+        "last_frame": int(track.numbers[-1]),
+        "times_are_known": recording.is_timed,
+        "contacts_s": [[round(end, 4) for end in ends] for ends in track.contacts()],
+        "events": [_event_seen(event, edit) for event in facts["events"][:EVENTS]],
+        "events_left_out": max(len(facts["events"]) - EVENTS, 0),
+        "totals": _totals_seen(facts["totals"], edit),
+        "rows": [_row_seen(row, exported.units.name, edit) for row in _spread(exported, rows)],
+        "notes": [*recording.notes, *facts["notes"]],
+    }
+
+
+def _event_seen(event: dict[str, Any], edit: Any) -> dict[str, Any]:
+    way = None if event["way"] is None else edit.of_way(Motion(event["way"])).value
+    if event.get("amount", 0.0) < 0:  # amounts are how far it goes the way that is named
+        event |= _negated(event)
+    return event | {"way": way}
+
+
+def _totals_seen(totals: dict[str, Any], edit: Any) -> dict[str, Any]:
+    net = totals["turn_net"]
+    right, down = edit.matrix[1:3, 1:3] @ (totals["slide_right"], totals["slide_down"]) + 0.0
+    return totals | {
+        "turn_net": net if edit.matrix[0, 0] > 0 else net | _negated(net),
+        "slide_right": float(right),
+        "slide_down": float(down),
+    }
+
+
+def _row_seen(row: dict[str, Any], unit: str, edit: Any) -> dict[str, float]:
+    names, slide = [f"right_{unit}", f"down_{unit}"], edit.matrix[1:3, 1:3]
+    deviations = [f"{name}_deviation" for name in names]
+    way = slide @ [row[name] for name in names] + 0.0
+    values = [*way, *np.abs(slide) @ [row[name] for name in deviations]]
+    turn = {"turn_deg": float(edit.matrix[0, 0] * row["turn_deg"] + 0.0)}
+    return row | turn | dict(zip([*names, *deviations], map(float, values), strict=True))
+
+
+def _negated(span: dict[str, Any]) -> dict[str, float]:
+    return {"amount": -span["amount"], "low": -span["high"], "high": -span["low"]}
+
+
+def _spread(exported: Exported, most: int) -> list[dict[str, Any]]:
+    """Return at most so many frames, the first and the last among them."""
+    rows = list(exported.rows()) if most else []
+    if len(rows) <= most:
+        return rows
+    return [rows[place] for place in np.linspace(0, len(rows) - 1, most).round().astype(int)]

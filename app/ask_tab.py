@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from . import conversation, example_clips, saving, stage
-from .clip_loading import SUFFIXES
-from .conversation import PRIVATE
-from .error_display import MODEL, gradio
-from .filling import COMPLAINT, Filled, filling
-from .limits import TOPIC_CHARACTERS
-from .opening import NOTHING_SAID, Opening
+from . import conversation, opening, stage
+from .clips import SUFFIXES
+from .guards import TOPIC_CHARACTERS
+from .opening import NOTHING_ASKED, Opening
 from .talking import Talking
+from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -20,28 +18,21 @@ if TYPE_CHECKING:
 CONTEXT = ("shown", "source", "frame", "mm_per_px")
 """What questions are about."""
 
-OPENED = (
-    *NOTHING_SAID,
-    *("shown", "source", "stage", "clip_notes", "told", "mm_per_px", "chips", "saving"),
-    *("first", "last_frame", "topic", "files", COMPLAINT),
-)
-"""What is filled when a recording is opened or closed."""
-
 ANSWERED = (
-    *NOTHING_SAID,
-    *("question", "frame", "mm_per_px", "told", "chips", "saving", "stage"),
-    COMPLAINT,
+    *NOTHING_ASKED,
+    *("question", "frame", "mm_per_px", "framed", "chips", "saving", "stage", COMPLAINT),
 )
 """What is filled when a question is answered."""
 
+OPENED = (
+    *(name for name in ANSWERED if name not in ("question", "frame")),
+    *("shown", "source", "clip_notes", "first", "last_frame", "topic", "files"),
+)
+"""What is filled when a recording is opened or closed."""
+
 
 def build(answerer: Answerer, page: Any) -> None:
-    """Lay the tab out and connect it; call it inside a `gradio.Tab`.
-
-    Args:
-        answerer: The model.
-        page: The `gradio.Blocks`; an example is opened with it.
-    """
+    """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
     gr = gradio()
     parts: dict[str, Any] = {name: gr.State() for name in ("shown", "source", "last")}
     with gr.Row(elem_classes=["ask"]):
@@ -61,12 +52,16 @@ def build(answerer: Answerer, page: Any) -> None:
             min_width=240,
         )
         with gr.Column(scale=7, min_width=300):
-            parts["examples"] = example_clips.strip()
+            parts["examples"] = opening.strip()
     parts |= _below(gr)
     talking = Talking(answerer)
     _connect_opening(gr, parts, Opening(answerer), talking, page)
     conversation.connect(parts, talking, CONTEXT, ANSWERED)
-    _connect_size(parts, talking)
+    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
+    given = [parts[name] for name in ("shown", "source", "mm_per_px")]
+    resized = [parts[name] for name in ("stage", "chips", COMPLAINT)]
+    for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
+        trigger(filling(parts, talking.resize), given, resized, **QUIET, **MODEL)
     _connect_saving(gr, parts)
 
 
@@ -103,79 +98,61 @@ def _below(gr: Any) -> dict[str, Any]:
         parts["read"] = gr.Button("Read again with these")
         parts["clip_notes"] = gr.Markdown()
     with gr.Accordion("Copy this as code", open=False):
-        gr.Markdown("The last question, for the shell, for Python and over REST.")
-        for name, label, language in (
-            ("command", "Command line", "shell"),
-            ("python", "Python", "python"),
-            ("rest", "REST", "shell"),
-        ):
-            parts[name] = gr.Code(
-                label=label, language=language, interactive=False, buttons=["copy"]
-            )
+        parts["code"] = gr.Code(
+            label="The conversation in Python",
+            language="python",
+            interactive=False,
+            buttons=["copy"],
+        )
     with gr.Accordion("Save and share", open=False):
-        parts["saving"] = saving.bar()
+        parts["saving"] = opening.saving_bar()
     return parts
 
 
 def _connect_opening(
-    gr: Any, parts: dict[str, Any], opening: Opening, talking: Talking, page: Any
+    gr: Any, parts: dict[str, Any], opens: Opening, talking: Talking, page: Any
 ) -> None:
     before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
     outputs = [parts[name] for name in OPENED]
-    at_stage = {**PRIVATE, "show_progress": "hidden", **MODEL}
-    files, upload = parts["files"], filling(parts, opening.upload)
+    at_stage = {**QUIET, **MODEL}
+    files, upload = parts["files"], filling(parts, opens.upload)
     for trigger in (files.upload, files.clear, files.delete):
         trigger(upload, [files, *before], outputs, **at_stage)
 
     def open_example(*given: Any) -> Iterator[Filled]:
         *now, event = given
-        yield from opening.example(str(event._data.get("example")), *now)
+        yield from opens.example(str(event._data.get("example")), *now)
 
     clicked = filling(parts, open_example, gr.EventData)
     parts["examples"].click(clicked, before, outputs, **at_stage)
     spanned = [parts[name] for name in ("source", "first", "last_frame", "topic")]
-    again = filling(parts, opening.read_again)
+    again = filling(parts, opens.read_again)
     parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
 
     def visit(request: Any) -> Iterator[Filled]:
-        yield from opening.visit(request.query_params)
+        yield from opens.visit(request.query_params)
 
-    visited = page.load(
+    def ask_if_linked(question: str, *given: Any) -> Iterator[Filled]:
+        if question:
+            yield from talking.ask(question, *given)
+
+    page.load(
         filling(parts, visit, gr.Request),
         None,
         [parts[name] for name in ("stage", "source", "question", COMPLAINT)],
         queue=False,
         **PRIVATE,
-    ).then(again, [*spanned, *before], outputs, **at_stage)
-
-    def ask_if_linked(question: str, *given: Any) -> Iterator[Filled]:
-        if question:
-            yield from talking.ask(question, *given[:-1], conversation.address_of(given[-1]))
-
-    visited.then(
-        filling(parts, ask_if_linked, gr.Request),
+    ).then(again, [*spanned, *before], outputs, **at_stage).then(
+        filling(parts, ask_if_linked),
         [parts[name] for name in ("question", "chat", *CONTEXT)],
         [parts[name] for name in ANSWERED],
         **at_stage,
     )
 
 
-def _connect_size(parts: dict[str, Any], talking: Talking) -> None:
-    """Show lengths in mm, or in pixels again, as soon as the field of the pixel's size is left."""
-    given = [parts[name] for name in ("shown", "source", "mm_per_px")]
-    resized, outputs = (
-        filling(parts, talking.resize),
-        [parts["stage"], parts["chips"], parts[COMPLAINT]],
-    )
-    for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
-        trigger(resized, given, outputs, **{**PRIVATE, "show_progress": "hidden", **MODEL})
-
-
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:
     def save(shown: Any, source: Any, event: Any) -> Iterator[Filled]:
-        name, example = (source.name, source.example) if source else ("", None)
-        kind = str(event._data.get("kind"))
-        yield {"saving": saving.saved(kind, shown, name, example)}
+        yield {"saving": opening.saved(str(event._data.get("kind")), shown, source)}
 
     parts["saving"].click(
         filling(parts, save, gr.EventData),

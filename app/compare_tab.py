@@ -9,20 +9,19 @@ from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import GeoTLMError
 
-from . import handlers, stage
-from .clip_loading import SUFFIXES, load_clip, read_named
-from .error_display import gradio, literal, model_at
-from .example_clips import examples
-from .filling import COMPLAINT, Filled, complaint, filling
-from .limits import QUESTION_CHARACTERS
+from . import stage
+from .clips import SUFFIXES, load_clip, read_named
+from .guards import QUESTION_CHARACTERS
+from .opening import Source, examples
+from .toolkit import COMPLAINT, PRIVATE, Filled, complaint, filling, gradio, literal, model_at
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-SIDES = ("first", "second")
+QUESTION = "Do they go the same way?"
 
 FIRST_SHOWN = {"first": "bottle_cap", "second": "hex_nut"}
-"""Examples that are chosen until something else is."""
+"""Sides, and the examples that are chosen until something else is."""
 
 
 def build(answerer: Answerer) -> None:
@@ -30,12 +29,12 @@ def build(answerer: Answerer) -> None:
     gr = gradio()
     parts: dict[str, Any] = {}
     with gr.Row():
-        for side in SIDES:
+        for side in FIRST_SHOWN:
             with gr.Column(min_width=320):
                 parts |= _side(gr, side)
     with gr.Row(elem_classes=["ask-line"]):
         parts["question"] = gr.Textbox(
-            handlers.COMPARISON_QUESTION,
+            QUESTION,
             label="Question about both",
             show_label=False,
             container=False,
@@ -50,13 +49,13 @@ def build(answerer: Answerer) -> None:
 
 
 def _side(gr: Any, side: str) -> dict[str, Any]:
-    offered = [(one.name, one.key) for one in examples().values()]
+    offered = [(source.name, key) for key, source in examples().items()]
     example = examples()[FIRST_SHOWN[side]]
     return {
-        f"{side}_stage": stage.build(_unread(example.path, example.name)),
+        f"{side}_stage": stage.build(_unread(example)),
         f"{side}_text": gr.Markdown(),
         f"{side}_example": gr.Dropdown(
-            offered, value=example.key, label=f"{side.capitalize()}: an example"
+            offered, value=example.example, label=f"{side.capitalize()}: an example"
         ),
         f"{side}_path": gr.File(
             label=f"{side.capitalize()} recording",
@@ -69,76 +68,69 @@ def _side(gr: Any, side: str) -> dict[str, Any]:
 
 
 def _connect(parts: dict[str, Any], answerer: Answerer) -> None:
-    chosen = [parts[f"{side}_{what}"] for side in SIDES for what in ("path", "example")]
-    filled = [f"{side}_{what}" for side in SIDES for what in ("stage", "text")]
+    chosen = [parts[f"{side}_{what}"] for side in FIRST_SHOWN for what in ("path", "example")]
+    filled = [f"{side}_{what}" for side in FIRST_SHOWN for what in ("stage", "text")]
     # Not `compare`: an event takes its function's name, and that one is the programs'.
     compared = filling(parts, partial(compare_both, answerer))
     outputs = [parts[name] for name in (*filled, "verdict", COMPLAINT)]
     for trigger in (parts["go"].click, parts["question"].submit):
         trigger(compared, [parts["question"], *chosen], outputs, **model_at(parts["verdict"]))
-    for side in SIDES:
+    for side in FIRST_SHOWN:
         path, example = parts[f"{side}_path"], parts[f"{side}_example"]
-        emptied = [*(parts[f"{side}_{one}"] for one in ("stage", "text")), parts["verdict"]]
-        # Not queued: it would empty what a click right after the upload has told.
-        now = {"api_visibility": "private", "queue": False}
-        given, taken = filling(parts, partial(_given, side)), filling(parts, partial(_chosen, side))
-        path.change(given, [path, example], [*emptied, example, parts[COMPLAINT]], **now)
-        example.input(taken, example, [*emptied, path, parts[COMPLAINT]], **now)
+        emptied = [*(parts[f"{side}_{what}"] for what in ("stage", "text")), parts["verdict"]]
+        # Not queued: it would empty what a click right after the upload has filled.
+        now = {**PRIVATE, "queue": False}
+        upload, take = filling(parts, partial(_upload, side)), filling(parts, partial(_take, side))
+        path.change(upload, [path, example], [*emptied, example, parts[COMPLAINT]], **now)
+        example.input(take, example, [*emptied, path, parts[COMPLAINT]], **now)
 
 
-def _given(side: str, path: str | None, example: str | None) -> Iterator[Filled]:
+def _upload(side: str, path: str | None, example: str | None) -> Iterator[Filled]:
     """Show what was uploaded, unless an example was chosen that took its place."""
-    if path is None and example is not None:
-        return
-    yield _shown(side, path) | {f"{side}_example": None}
+    if path is not None or example is None:
+        yield _shown(side, _source(path, None)) | {f"{side}_example": None}
 
 
-def _chosen(side: str, example: str | None) -> Iterator[Filled]:
-    path = None if example is None else examples()[example].path
-    yield _shown(side, path, example) | {f"{side}_path": None}
+def _take(side: str, example: str | None) -> Iterator[Filled]:
+    yield _shown(side, _source(None, example)) | {f"{side}_path": None}
 
 
-def _shown(side: str, path: str | None, example: str | None = None) -> Filled:
+def _source(path: str | None, example: str | None) -> Source | None:
+    if path:
+        return Source(path, Path(path).name)
+    return examples()[example] if example else None
+
+
+def _shown(side: str, source: Source | None) -> Filled:
     try:
-        seen = {} if path is None else _unread(path, _name(path, example))
-    except GeoTLMError:  # told when it is compared
+        seen = {} if source is None else _unread(source)
+    except GeoTLMError:  # shown when it is compared
         seen = {}
     return {f"{side}_stage": seen, f"{side}_text": "", "verdict": ""}
 
 
-def _unread(path: str, name: str) -> dict[str, Any]:
+def _unread(source: Source) -> dict[str, Any]:
     """Return a recording as it plays until the model is asked to look at it."""
-    return stage.opening(read_named(path), name) | {"pending": False}
-
-
-def _name(path: str, example: str | None) -> str:
-    return Path(path).name if example is None else examples()[example].name
+    return stage.opening(read_named(source.path), source.name) | {"pending": False}
 
 
 def compare_both(answerer: Answerer, question: str, *chosen: str | None) -> Iterator[Filled]:
     """Show both recordings as the model sees them, and answer a question about both.
 
-    Args:
-        answerer: The model.
-        question: About both.
-        chosen: Of either, path of what was uploaded and key of the example.
-
-    Raises:
-        GeoTLMError: If a recording is missing or cannot be used.
+    `chosen` holds of either the path of what was uploaded and the key of the example.
     """
-    given = list(zip(chosen[::2], chosen[1::2], strict=True))
+    sources = [_source(*given) for given in zip(chosen[::2], chosen[1::2], strict=True)]
     try:
-        shown = []
-        for path, example in given:
-            path = path or (examples()[example].path if example else None)
-            shown.append(load_clip(answerer, path) if path else None)
-        told = handlers.compare(answerer, *shown, question)
-    except Exception:  # what was said of the recordings before
-        yield {f"{side}_text": "" for side in SIDES} | {"verdict": ""}
+        clips = [source and load_clip(answerer, source.path) for source in sources]
+        if None in clips:
+            raise GeoTLMError("A comparison needs two recordings; upload both.")
+        compared = answerer.compare(*(clip.encoded for clip in clips), question)
+    except Exception:  # the answers about the recordings before
+        yield {f"{side}_text": "" for side in FIRST_SHOWN} | {"verdict": ""}
         raise
-    filled: Filled = {"verdict": f"### {literal(told['text'])}"}
-    for side, clip, (path, example) in zip(SIDES, shown, given, strict=True):
-        name = Path(path).name if path else examples()[example].name
-        filled[f"{side}_stage"] = stage.stage_of(clip, name)
-        filled[f"{side}_text"] = literal(told[side]["text"])
+    filled: Filled = {"verdict": f"### {literal(compared.text)}"}
+    answers = (compared.first, compared.second)
+    for side, clip, source, answer in zip(FIRST_SHOWN, clips, sources, answers, strict=True):
+        filled[f"{side}_stage"] = stage.stage_of(clip, source.name)
+        filled[f"{side}_text"] = literal(answer.text)
     yield filled

@@ -1,34 +1,98 @@
-"""A conversation as the page lays it out: messages, questions to try, the line to type in."""
+"""A conversation as the page lays it out: messages, questions to try, the facts that hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import FrameSpec
+from geotlm_lm import FrameSpec, Motion
 
-from . import handlers, suggestions
-from .error_display import MODEL, gradio
-from .facts import MIRRORED, OTHER_SIDE, SENSOR_MOVES, TURNS, update_facts
-from .filling import COMPLAINT, Filled, complaint, filling
-from .limits import QUESTION_CHARACTERS
+from .guards import QUESTION_CHARACTERS
+from .toolkit import COMPLAINT, MODEL, PRIVATE, Filled, complaint, filling, gradio, html
+
+if TYPE_CHECKING:
+    from .clips import LoadedClip
 
 PLACEHOLDER = "Ask how the touched object moves, in plain English, or click a question below."
 
-PRIVATE = {"api_visibility": "private"}
+MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
+CLOCKWISE = "image is turned 90° clockwise"
+COUNTERCLOCKWISE = "image is turned 90° counterclockwise"
+OTHER_SIDE, SENSOR_MOVES = "seen from the object", "sensor moves"
+TURNS = {UPSIDE_DOWN: 180, CLOCKWISE: 90, COUNTERCLOCKWISE: 270}
+FACTS = {
+    MIRRORED: ("image_mirrored", True),
+    UPSIDE_DOWN: ("image_upside_down", True),
+    CLOCKWISE: ("image_quarter_turn", "clockwise"),
+    COUNTERCLOCKWISE: ("image_quarter_turn", "counterclockwise"),
+    OTHER_SIDE: ("viewpoint", "object"),
+    SENSOR_MOVES: ("actor", "sensor"),
+}
+"""What can be checked about a recording, and the field of a `FrameSpec` that it stands for."""
+
+OF_A_CLIP = (
+    "Which way is it moving?",
+    "How far did it go?",
+    "Is it turning or sliding?",
+    "Is anything touching the gel?",
+)
+OF_A_RECORDING = (
+    "What happens first and what then?",
+    "When did it stop?",
+    "How far did it turn?",
+    "How often did it turn back?",
+    "How long did it touch?",
+)
+IN_MM = "How many mm did it slide?"
+OF_AN_ANSWER = ("How sure are you?", "Why do you say so?", "And seen from the object's side?")
 
 
-class Talk(Protocol):
-    """What answers the questions of a page; each method takes the context last."""
+def fields_of(facts: list[str]) -> dict[str, Any]:
+    """Return the fields of a `FrameSpec` that the checked facts stand for; turns add up."""
+    usual = FrameSpec()
+    fields = {field: getattr(usual, field) for field, _ in FACTS.values()}
+    fields |= FrameSpec.fields_of_turn(sum(TURNS.get(fact, 0) for fact in facts))
+    return fields | dict(FACTS[fact] for fact in facts if fact not in TURNS)
 
-    def ask(self, question: str, chat: list, *context: Any) -> Iterator[Filled]:
-        """Yield what the parts show while a question is answered."""
 
-    def again(self, chat: list, *context: Any) -> Iterator[Filled]:
-        """Ask the last question again, likewise."""
+def facts_of(frame: FrameSpec) -> list[str]:
+    """Return the facts to check for a frame: what the conversation stated shows in the page."""
+    return [fact for fact, (field, value) in FACTS.items() if getattr(frame, field) == value]
 
-    def forget(self, *context: Any) -> Iterator[Filled]:
-        """Begin anew."""
+
+def in_frame(facts: list[str], direction: str | None) -> str:
+    """Return the last direction, if there was one, as the frame of the checked facts tells it."""
+    frame = FrameSpec(**fields_of(facts))
+    if direction is None:
+        return f"Frame: {frame.sentence()}."
+    way = frame.edit.of_way(Motion(direction)).value
+    return f"In this frame ({frame.sentence()}) that is **{way}**."
+
+
+def update_facts(facts: list[str], fact: str, is_checked: bool) -> list[str]:
+    """Return the facts as they hold once one was checked or not.
+
+    An image is turned by a quarter one way or the other: of both the one checked last holds.
+    """
+    quarters = (CLOCKWISE, COUNTERCLOCKWISE)
+    replaced = quarters if is_checked and fact in quarters else (fact,)
+    return [held for held in facts if held not in replaced] + [fact] * is_checked
+
+
+def suggested(shown: LoadedClip | None) -> list[str]:
+    """Return the questions to offer about what is open, those about an answer once there is one.
+
+    None tells how the recording moves.
+    """
+    if shown is None:
+        return []
+    session = shown.session
+    asked = [turn.question for turn in session.history]
+    own: Sequence[str] = OF_A_CLIP if shown.encoded.track is None else OF_A_RECORDING
+    if session.frame.mm_per_px is not None:
+        own = (*own, IN_MM)
+    about_last = OF_AN_ANSWER if session.last is not None else ()
+    return [question for question in (*about_last, *own) if question not in asked]
 
 
 def talk() -> dict[str, Any]:
@@ -44,7 +108,8 @@ def talk() -> dict[str, Any]:
         # Without Markdown the toolkit still takes a message for HTML.
         render_markdown=False,
     )
-    parts["chips"] = suggestions.chips()
+    group = '<div role="group" aria-label="Questions to try"></div>'
+    parts["chips"] = html([], group, "chips")
     with gr.Row(elem_classes=["ask-line"]):
         parts["question"] = gr.Textbox(
             label="Question",
@@ -57,7 +122,6 @@ def talk() -> dict[str, Any]:
             elem_classes=["question"],
         )
         parts["ask"] = gr.Button("Ask", variant="primary", scale=1, min_width=64)
-        parts["stop"] = gr.Button("Stop", scale=1, min_width=56)
         parts["retry"] = gr.Button("Retry", scale=1, min_width=56)
     parts[COMPLAINT] = complaint()
     return parts
@@ -71,45 +135,35 @@ def frame_of_reference() -> dict[str, Any]:
         "object), for the object relative to the sensor. Check what is different about yours."
     )
     with gr.Row():
-        parts["frame"] = gr.CheckboxGroup(
-            [MIRRORED, *TURNS, OTHER_SIDE, SENSOR_MOVES], label="Tell it for another frame"
-        )
+        parts["frame"] = gr.CheckboxGroup(list(FACTS), label="Tell it for another frame", scale=2)
         parts["mm_per_px"] = gr.Number(
             label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
         )
-    parts["told"] = gr.Markdown(handlers.direction_in_frame(FrameSpec(), None))
+    parts["framed"] = gr.Markdown(in_frame([], None))
     return parts
 
 
 def connect(
-    parts: dict[str, Any], to: Talk, context: Sequence[str], answered: Sequence[str]
+    parts: dict[str, Any], talking: Any, context: Sequence[str], answered: Sequence[str]
 ) -> None:
     """Connect the conversation, and the facts beside it.
 
     Args:
         parts: The tab's, by name.
-        to: What answers.
-        context: Names of the parts that it is given beside question and conversation; the page's
-            address comes last of all.
-        answered: Names of the parts that it fills.
+        talking: Answers: `ask` takes question, conversation and context, `again` the last two,
+            `forget` the context alone; each yields what the parts show.
+        context: Names of the parts that questions are about.
+        answered: Names of the parts that an answer fills.
     """
     gr = gradio()
-
-    def ask(*given: Any) -> Iterator[Filled]:
-        yield from to.ask(*given[:-1], address_of(given[-1]))
-
-    def ask_again(*given: Any) -> Iterator[Filled]:
-        yield from to.again(*given[:-1], address_of(given[-1]))
-
-    names = ("question", "chat", *context)
-    asked, outputs = [parts[name] for name in names], [parts[name] for name in answered]
+    asked = [parts[name] for name in ("question", "chat", *context)]
+    outputs = [parts[name] for name in answered]
     options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
-    asking = filling(parts, ask, gr.Request)
+    asking, again = filling(parts, talking.ask), filling(parts, talking.again)
     running = [
         trigger(asking, asked, outputs, **options)
         for trigger in (parts["ask"].click, parts["question"].submit)
     ]
-    again = filling(parts, ask_again, gr.Request)
     running.append(parts["retry"].click(again, asked[1:], outputs, **options))
 
     def take(event: Any) -> Iterator[Filled]:
@@ -123,32 +177,23 @@ def connect(
         **PRIVATE,
     )
     running.append(chosen.then(asking, asked, outputs, **options))
-    parts["stop"].click(None, None, None, cancels=running, **PRIVATE)
     # All that is filled with an answer is emptied, but for what is typed.
     forgotten = [parts[name] for name in (*answered, "shown") if name in parts]
     parts["chat"].clear(
-        filling(parts, to.forget),
+        filling(parts, talking.forget),
         asked[2:],
         forgotten,
         cancels=running,
         show_progress="hidden",
         **PRIVATE,
     )
-    _connect_frame(gr, parts)
 
-
-def address_of(request: Any) -> str:
-    """Return the address that a visitor's browser has for the page."""
-    return f"http://{request.headers.get('host', '127.0.0.1:7860')}"
-
-
-def _connect_frame(gr: Any, parts: dict[str, Any]) -> None:
-    def check(facts: list[str], direction: str | None, event: gr.SelectData) -> tuple:
-        held, told = update_facts(facts, direction, event.value, event.selected)
+    def check(facts: list[str], direction: str | None, event: Any) -> tuple:
+        held = update_facts(facts, event.value, event.selected)
         # Boxes that stand as they should are left alone: others may be checked meanwhile.
-        return gr.skip() if set(held) == set(facts) else held, told
+        return gr.skip() if set(held) == set(facts) else held, in_frame(held, direction)
 
     # Postponed annotations are text, and the toolkit looks for the event's type itself.
     check.__annotations__["event"] = gr.SelectData
-    outputs = [parts[name] for name in ("frame", "told")]
-    parts["frame"].select(check, [parts["frame"], parts["last"]], outputs, **PRIVATE)
+    checked = [parts["frame"], parts["framed"]]
+    parts["frame"].select(check, [parts["frame"], parts["last"]], checked, **PRIVATE)

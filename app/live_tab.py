@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import CLIP_SUFFIXES
+from geotlm_lm import CLIP_SUFFIXES, GeoTLMError
 
 from . import conversation, stage
-from .conversation import PRIVATE
-from .error_display import CAMERA, gradio, with_errors_shown
-from .filling import COMPLAINT, Filled, filling
-from .live_session import LiveSession, LiveTalk, follow_camera, stop, watch_recording
-from .session_files import remove_seen
+from .live import LiveSession, LiveTalk, follow_camera, stop, watch_recording
+from .sessions import remove_seen
+from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -26,16 +24,13 @@ INVITES = (
 WATCHED = ("stage", "chips", COMPLAINT)
 """What is filled while frames arrive."""
 
-EMPTIED = (*WATCHED, "chat", "last", "told", "mm_per_px")
+EMPTIED = (*WATCHED, "chat", "last", "framed", "mm_per_px")
 """What is filled when something else is watched, or nothing."""
 
 CONTEXT = ("live", "frame", "mm_per_px")
 """What questions are about."""
 
-ANSWERED = (
-    *("chat", "question", "chips", "stage", "last"),
-    *("frame", "told", "mm_per_px", COMPLAINT),
-)
+ANSWERED = (*EMPTIED, "question", "frame")
 """What is filled when a question is answered."""
 
 
@@ -56,7 +51,7 @@ def build(answerer: Answerer) -> None:
     conversation.connect(parts, talk, CONTEXT, ANSWERED)
     resized = filling(parts, talk.resize)
     for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
-        trigger(resized, *_ends(parts, ("live", "mm_per_px"), WATCHED), **_hidden(CAMERA))
+        trigger(resized, *_ends(parts, ("live", "mm_per_px"), WATCHED), **QUIET, **CAMERA)
 
 
 def _sources(gr: Any) -> dict[str, Any]:
@@ -88,51 +83,46 @@ def _sources(gr: Any) -> dict[str, Any]:
 
 
 STOP_CAMERA = """(...given) => {
-    for (const one of document.querySelectorAll('.live-camera video'))
-        for (const track of one.srcObject ? one.srcObject.getTracks() : []) track.stop();
+    for (const video of document.querySelectorAll('.live-camera video'))
+        for (const track of video.srcObject ? video.srcObject.getTracks() : []) track.stop();
     return given;
 }"""
 """Turns the camera off in the browser, whatever the server does meanwhile."""
 
 
-def _stop(gr: Any, live: LiveSession) -> Iterator[Filled]:
-    for told in stop(live):
-        yield told | {"camera": gr.Image(value=None, visible=False)}
-
-
 def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
     gr = gradio()
     watch = filling(parts, partial(watch_recording, answerer))
-    parts["go"].click(watch, *_ends(parts, ("path", "live"), EMPTIED), **_hidden(CAMERA))
-    emptied = {**PRIVATE, "queue": False, "show_progress": "hidden"}
-    parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **emptied)
+    parts["go"].click(watch, *_ends(parts, ("path", "live"), EMPTIED), **QUIET, **CAMERA)
+    now = {**QUIET, "queue": False}
+    parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **now)
+
+    def clear(live: LiveSession) -> Iterator[Filled]:
+        for values in stop(live):
+            yield values | {"camera": gr.Image(value=None, visible=False)}
+
     # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
     parts["clear"].click(
-        filling(parts, partial(_stop, gr)),
+        filling(parts, clear),
         *_ends(parts, ("live",), (*EMPTIED, "camera")),
         js=STOP_CAMERA,
-        **emptied,
-    ).then(lambda: gr.Image(visible=True), None, parts["camera"], **emptied)
+        **now,
+    ).then(lambda: gr.Image(visible=True), None, parts["camera"], **now)
 
-    # No generator: the toolkit would ask it for more instead of giving it the next frame.
+    # No generator: the toolkit would ask it for more instead of giving it the next frame. Nor does
+    # it empty the complaint, ten times a second, which another error may fill.
     def follow(*given: Any) -> dict[Any, Any]:
         remove_seen(parts["camera"])
-        # It takes no empty dictionary either.
-        told = follow_camera(answerer, *given) or {"stage": gradio().skip()}
-        return {parts[name]: value for name, value in told.items()}
+        try:
+            values = follow_camera(answerer, *given) or {"stage": gr.skip()}
+        except GeoTLMError as error:
+            values = {COMPLAINT: str(error)}
+        return {parts[name]: value for name, value in values.items()}
 
-    parts["camera"].stream(
-        with_errors_shown(follow),
-        *_ends(parts, ("camera", "live"), EMPTIED),
-        stream_every=0.1,
-        **_hidden(CAMERA),
-    )
+    camera, ends = parts["camera"], _ends(parts, ("camera", "live"), EMPTIED)
+    camera.stream(follow, *ends, stream_every=0.1, **QUIET, **CAMERA)
 
 
 def _ends(parts: dict[str, Any], *names: tuple[str, ...]) -> Iterator[list[Any]]:
     """Return the components that an event reads and fills."""
-    return ([parts[one] for one in some] for some in names)
-
-
-def _hidden(line: dict[str, Any]) -> dict[str, Any]:
-    return {**PRIVATE, "show_progress": "hidden", **line}
+    return ([parts[name] for name in some] for some in names)

@@ -1,44 +1,55 @@
-"""Open a recording, read it again, or close it: what each part of the Ask tab then shows."""
+"""Recordings on the Ask tab: the examples on offer, what opening one fills, what is saved."""
 
 from __future__ import annotations
 
+import base64
+import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cache
+from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlencode
 
-from geotlm_lm import FrameSpec, read_clip
+import cv2
 
-from . import saving, stage
-from .clip_loading import LoadedClip, latest_upload, load_clip, span_of
-from .error_display import literal
-from .example_clips import FIRST, Example, examples, perceived
-from .facts import frame_preview
-from .filling import Filled
-from .limits import QUESTION_CHARACTERS
-from .suggestions import suggested
+from geotlm_lm import (
+    Exported,
+    FrameSpec,
+    GeoTLMError,
+    Motion,
+    __version__,
+    camera_size,
+    plot_png,
+    read_clip,
+)
+
+from . import stage
+from .clips import LoadedClip, latest_upload, load_clip, span_of
+from .conversation import in_frame, suggested
+from .guards import QUESTION_CHARACTERS
+from .sources import EXAMPLES
+from .toolkit import Filled, html, literal
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-NOTHING_SAID: Filled = {
-    "chat": [],
-    "notes": "",
-    "probabilities": None,
-    "band": "",
-    "verdicts": None,
-    "regions": None,
-    "timing": "",
-    "command": "",
-    "python": "",
-    "rest": "",
-    "last": None,
+FIRST = "bottle_cap"
+"""Opened with the page: its turn is easily followed by eye."""
+
+THUMBNAIL_PX = 104
+
+NOTHING_ASKED: Filled = {
+    **{"chat": [], "notes": "", "probabilities": None, "band": "", "verdicts": None},
+    **{"regions": None, "timing": "", "code": "", "last": None},
 }
 """The conversation and all that stands beside it, before anything was asked."""
 
-
 EMPTY_FIELDS: Filled = {"first": "", "last_frame": "", "topic": ""}
-"""What is asked for of a recording that was just opened."""
+"""Which part of a recording is read, before it was stated."""
+
+MIMES = {"csv": "text/csv", "json": "application/json", "png": "image/png", "txt": "text/plain"}
 
 
 @dataclass(frozen=True)
@@ -60,65 +71,84 @@ class Source:
     topic: str | None = None
 
 
-@dataclass
-class Before:
-    """What the page shows when something else is opened.
+@cache
+def examples() -> dict[str, Source]:
+    """Return the recordings on offer by their keys, the one that is opened first before all.
 
-    Args:
-        facts: That are checked.
-        mm_per_px: Size of a pixel; 0 or None where it is not known.
-        shown: The clip that is open.
+    They are named after what is touched: how it moves is for the model to tell.
     """
+    offer: dict[str, Source] = {}
+    for path in EXAMPLES.values():
+        touched = path.stem
+        for motion in sorted(Motion, key=lambda motion: -len(motion)):
+            touched = touched.removesuffix(f"_{motion.value}")
+        count = 1 + sum(key.rstrip("_23456789") == touched for key in offer)
+        key = touched if count == 1 else f"{touched}_{count}"
+        offer[key] = Source(str(path), key.replace("_", " "), key)
+    return dict(sorted(offer.items(), key=lambda item: item[0] != FIRST))
 
-    facts: list[str]
-    mm_per_px: float | None = None
-    shown: LoadedClip | None = None
+
+def strip() -> Any:
+    """Return the component that shows the examples; a click on one tells its key."""
+    return html("", _strip_markup(), "examples")
 
 
-@dataclass
+@cache
+def _strip_markup() -> str:
+    buttons = [
+        f'<button type="button" class="example" data-example="{escape(key)}">'
+        f'<img src="{_thumbnail(source.path)}" alt="" width="{THUMBNAIL_PX}">'
+        f"<span>{escape(source.name)}</span></button>"
+        for key, source in examples().items()
+    ]
+    return f'<div role="group" aria-label="Examples">{"".join(buttons)}</div>'
+
+
+def _thumbnail(path: str) -> str:
+    frame = read_clip(path).frames[-1]
+    rows, columns = camera_size(*frame.shape[:2])
+    size = (THUMBNAIL_PX, round(THUMBNAIL_PX * rows / columns))
+    small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
+    return stage.jpeg_address(small, THUMBNAIL_PX, 95)
+
+
 class Opening:
-    """Opens recordings.
+    """Opens recordings, and yields what the parts of the tab show then.
 
-    Args:
-        answerer: The model.
-        known: Examples that it has looked at: everybody opens the same.
+    Its methods take what the page shows before: the facts that are checked, the size of a pixel (0
+    or None where it is not known), and the clip that is open.
     """
 
-    answerer: Answerer
-    known: dict[str, LoadedClip] = field(default_factory=dict)
+    def __init__(self, answerer: Answerer) -> None:
+        self._answerer = answerer
+        self._perceived: dict[str, LoadedClip] = {}  # examples: everybody opens the same
 
     def upload(self, paths: list[str] | None, *before: Any) -> Iterator[Filled]:
-        """Open what was given last; close everything where all was taken away."""
+        """Open what was uploaded last; close everything where all was taken away."""
         given = latest_upload(paths)
         fields = EMPTY_FIELDS | ({} if given == paths else {"files": given})
         if not given:
-            yield _closed(Before(*before)) | fields | {"files": None}
+            yield _closed(*before) | fields | {"files": None}
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        for told in self._open(source, Before(*before)):
-            yield told | fields
+        for values in self._open(source, before):
+            yield values | fields
 
     def example(self, key: str, *before: Any) -> Iterator[Filled]:
-        """Open an example, and take away what was uploaded; one that is not known changes nothing.
+        """Open an example, and take away what was uploaded; an unknown key changes nothing.
 
         It plays before the model has looked at it.
         """
-        example = examples().get(key)
-        if example is None:
+        if (source := examples().get(key)) is None:
             return
-        fields = EMPTY_FIELDS | {"files": None}
-        yield _closed(Before(*before)) | fields | self.frames(example)
-        yield from self._open(_source(example), Before(*before))
-
-    def frames(self, example: Example) -> Filled:
-        """Return an example as it plays before the model has looked at it."""
-        return {"stage": stage.opening(read_clip(example.path), example.name)}
+        yield _closed(*before) | EMPTY_FIELDS | {"files": None, "stage": _unread(source)}
+        yield from self._open(source, before)
 
     def visit(self, query: Mapping[str, str]) -> Iterator[Filled]:
         """Show the example and the question of a link, or the first example; nothing is asked."""
-        example = examples().get(query.get("example", FIRST), examples()[FIRST])
+        source = examples().get(query.get("example", FIRST), examples()[FIRST])
         question = query.get("q", "")[:QUESTION_CHARACTERS]
-        yield self.frames(example) | {"source": _source(example), "question": question}
+        yield {"stage": _unread(source), "source": source, "question": question}
 
     def read_again(
         self, source: Source | None, first: str, last: str, topic: str | None, *before: Any
@@ -127,58 +157,118 @@ class Opening:
         if source is not None:
             # The toolkit's field that was never filled holds None.
             source = replace(source, topic=(topic or "").strip() or None)
-            yield from self._open(source, Before(*before), first, last)
+            yield from self._open(source, before, first, last)
 
     def _open(
-        self, source: Source, before: Before, first: str = "", last: str = ""
+        self, source: Source, before: tuple[Any, ...], first: str = "", last: str = ""
     ) -> Iterator[Filled]:
-        # A mistake is told only after the clip before is closed: it must not answer for this one.
+        # An error is shown only after the clip before is closed: it must not answer for this one.
         try:
             span = span_of(first, last)
             if source.example and span is None:
-                shown = perceived(self.answerer, examples()[source.example], self.known)
+                shown = self._example(source)
             else:
-                shown = load_clip(self.answerer, source.path, first, last, source.topic)
-            yield _opened(shown, replace(source, span=span), before)
+                shown = load_clip(self._answerer, source.path, first, last, source.topic)
+            yield _opened(shown, replace(source, span=span), *before)
         except Exception:
-            yield _closed(before) | {"source": source}
+            yield _closed(*before) | {"source": source}
             raise
 
+    def _example(self, source: Source) -> LoadedClip:
+        """Return an example, perceived once, with a conversation of its own."""
+        if source.example not in self._perceived:
+            self._perceived[source.example] = load_clip(self._answerer, source.path)
+        perceived = self._perceived[source.example]
+        return replace(perceived, session=self._answerer.session(perceived.encoded))
 
-def _source(example: Example) -> Source:
-    return Source(example.path, example.name, example.key)
+
+def _unread(source: Source) -> dict[str, Any]:
+    return stage.opening(read_clip(source.path), source.name)
 
 
-def _opened(shown: LoadedClip, source: Source, before: Before) -> Filled:
-    mm_per_px = before.mm_per_px or None
-    if before.shown is not None and _size(before.shown) != _size(shown):
-        mm_per_px = None  # what was said of other pixels
-    frame = FrameSpec(mm_per_px=mm_per_px)
-    return NOTHING_SAID | {
+def _opened(
+    shown: LoadedClip,
+    source: Source,
+    facts: list[str],
+    mm_per_px: float | None = None,
+    before: LoadedClip | None = None,
+) -> Filled:
+    size = shown.encoded.clip.frames.shape[1:3]
+    if before is not None and before.encoded.clip.frames.shape[1:3] != size:
+        mm_per_px = None  # it was stated of other pixels
+    notes = "\n".join(f"- {note}" for note in shown.encoded.clip.notes)
+    return NOTHING_ASKED | {
         "shown": shown,
         "source": source,
-        "stage": stage.stage_of(shown, source.name, frame),
-        "clip_notes": literal(shown.notes),
-        "told": frame_preview(before.facts, None)[1],
+        "stage": stage.stage_of(shown, source.name, FrameSpec(mm_per_px=mm_per_px or None)),
+        "clip_notes": literal(notes),
+        "framed": in_frame(facts, None),
         "mm_per_px": mm_per_px or 0,
         "chips": suggested(shown),
-        "saving": saving.offered(shown, source.example),
+        "saving": offered(shown, source.example),
     }
 
 
-def _closed(before: Before) -> Filled:
+def _closed(
+    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None
+) -> Filled:
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
-    return NOTHING_SAID | {
-        "shown": None,
-        "source": None,
-        "stage": {},
-        "clip_notes": "",
-        "told": frame_preview(before.facts, None)[1],
-        "mm_per_px": before.mm_per_px if before.shown is None else 0,
-        "chips": [],
-        "saving": saving.offered(None, None),
+    return NOTHING_ASKED | {
+        **{"shown": None, "source": None, "stage": {}, "clip_notes": "", "chips": []},
+        "framed": in_frame(facts, None),
+        "mm_per_px": mm_per_px if before is None else 0,
+        "saving": offered(None, None),
     }
 
 
-def _size(shown: LoadedClip) -> tuple[int, int]:
-    return shown.encoded.clip.frames.shape[1:3]
+def saving_bar() -> Any:
+    """Return the component that offers to save; a click tells the kind, its value is the file."""
+    template = '<div data-part="bar"></div><p data-part="status" role="status"></p>'
+    return html({}, template, "saving")
+
+
+def offered(shown: LoadedClip | None, example: str | None) -> dict[str, Any]:
+    """Return what can be saved of the clip that is open; only an example has a link."""
+    if shown is None:
+        return {"kinds": []}
+    tracked = [] if shown.encoded.track is None else ["track.csv", "track.json", "track.png"]
+    asked = ["talk.txt", "talk.json"] if shown.session.history else []
+    return {"kinds": [*tracked, *asked, *(["link"] if example else [])]}
+
+
+def saved(kind: str, shown: LoadedClip | None, source: Source | None) -> dict[str, Any]:
+    """Return a file for the browser to save, or the end of a link.
+
+    Raises:
+        GeoTLMError: If nothing of this kind can be saved, or its package is missing.
+    """
+    offer = offered(shown, source.example if source else None)
+    if shown is None or source is None or kind not in offer["kinds"]:
+        raise GeoTLMError("There is nothing of this kind to save; open a recording and ask first.")
+    turns = shown.session.history
+    if kind == "link":
+        query = {"example": source.example} | ({"q": turns[-1].question} if turns else {})
+        return offer | {"link": f"?{urlencode(query)}"}
+    what, ending = kind.split(".")
+    if what == "track":
+        content = _track(shown, ending, source.name)
+    elif ending == "json":
+        content = (json.dumps(shown.session.to_dict(), indent=1) + "\n").encode()
+    else:
+        content = "\n\n".join(f"{turn.question}\n{turn.answer.text}" for turn in turns).encode()
+        content += b"\n"
+    stem = "".join(letter if letter.isalnum() else "_" for letter in Path(source.name).stem)
+    return offer | {
+        "name": f"{stem}_{'track' if what == 'track' else 'conversation'}.{ending}",
+        "mime": MIMES[ending],
+        "content": base64.b64encode(content).decode(),
+    }
+
+
+def _track(shown: LoadedClip, ending: str, name: str) -> bytes:
+    exported = Exported(shown.encoded.track, shown.session.frame.mm_per_px)
+    clip = shown.encoded.recording
+    if ending == "png":
+        return plot_png(exported, in_frames=not clip.is_timed)
+    made_by = {"program": f"geotlm-lm {__version__}", "recording": name, "fps": clip.fps}
+    return exported.content(f".{ending}", made_by)

@@ -3,15 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen
+
 from . import stage
-from .error_display import gradio, literal, model_at
-from .filling import COMPLAINT, Filled, complaint, filling
-from .simulation_handlers import OBJECTS, simulate, touch_of
+from .clips import LoadedClip, perceive
+from .toolkit import COMPLAINT, Filled, complaint, filling, gradio, literal, model_at
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer
+    from geotlm_lm import Answerer, Motion, Touch
+
+DIRECTION_QUESTION, AMOUNT_QUESTION = "Which way is it moving?", "How far did it go?"
+"""Asked of what was just simulated."""
+
+OBJECTS = (
+    *("key", "bottle_cap", "hex_nut", "screw_head", "coin", "bead", "pen_clip", "textured_ball"),
+    *("can_rim", "corner", "cable", "table_edge"),
+)
+"""Shapes on offer: everyday things that no weight was trained on."""
 
 HEADERS = ["", "true", "read", "error"]
 
@@ -23,12 +36,7 @@ ROWS = {
 }
 
 NUMBERS = (
-    "twist_deg",
-    "slide_x_mm",
-    "slide_y_mm",
-    "press_mm",
-    "depth_mm",
-    "thickness_mm",
+    *("twist_deg", "slide_x_mm", "slide_y_mm", "press_mm", "depth_mm", "thickness_mm"),
     "friction",
 )
 """Fields of a `Touch`, in the order of the sliders."""
@@ -61,8 +69,9 @@ def build(answerer: Answerer) -> None:
         except Exception:
             yield {"stage": {}, "sentence": "", "facts": None}  # of the touch before
             raise
+        truth = stage.field_of(made.truth, "truth", "true motion", "#35e0ff")
         yield {
-            "stage": stage.stage_of(made.shown, name.replace("_", " "), fields=[_truth(made)]),
+            "stage": stage.stage_of(made.shown, name.replace("_", " "), fields=[truth]),
             "sentence": f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
             "facts": rows_of(made.facts),
         }
@@ -71,14 +80,10 @@ def build(answerer: Answerer) -> None:
     go.click(filling(parts, run), sliders, shown, **model_at(parts["sentence"]))
 
 
-def _truth(made: Any) -> dict[str, Any]:
-    return stage.field_of(made.truth, "truth", "true motion", "#35e0ff")
-
-
 def rows_of(facts: Mapping[str, Any]) -> list[list[Any]]:
     """Return a row for each number: its name, the truth, what was read, and the error."""
     return [
-        [name, *(facts[one][key] for one in ("true", "read", "error"))]
+        [name, *(facts[kind][key] for kind in ("true", "read", "error"))]
         for key, name in ROWS.items()
     ]
 
@@ -112,3 +117,96 @@ def _sliders(gr: Any) -> list[Any]:
         gr.Slider(0, 3, value=1, step=0.1, label="Friction coefficient"),
         gr.Number(value=0, precision=0, minimum=0, label="Seed"),
     ]
+
+
+@dataclass(frozen=True, eq=False)
+class Simulated:
+    """A simulated touch: as the model sees it, with its true displacement, and both compared.
+
+    `truth` is from the first frame to the last, the learned field from the first two to the last
+    two; `facts` are plain values: truth, reading, and the error between them.
+    """
+
+    shown: LoadedClip
+    truth: Seen
+    facts: dict[str, Any]
+
+
+def touch_of(name: Any, numbers: Mapping[str, Any], seed: Any) -> Touch:
+    """Return the touch of a shape with these fields, or say in one sentence what is wrong."""
+    from geotlm_lm import Touch
+
+    given = {field: _number(field, value) for field, value in numbers.items()}
+    whole = _number("seed", seed)
+    if not whole.is_integer():
+        raise GeoTLMError(f"seed is {whole:g}, expected a whole number from 0.")
+    return Touch("" if name is None else str(name), **given, seed=int(whole))
+
+
+def _number(field: str, value: Any) -> float:
+    if value is None or value == "":
+        raise GeoTLMError(f"{field} was left empty; give a number.")
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise GeoTLMError(f"{field} is {str(value)[:40]!r}, expected a number.") from error
+
+
+def simulate(answerer: Answerer, touch: Touch) -> Simulated:
+    """Simulate a touch, ask about it, and compare the answer with the truth."""
+    from geotlm_lm import simulate_touch
+
+    made = simulate_touch(touch)
+    shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
+    answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
+    how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
+    true, read = (_numbers(twist) for twist in (made.twist, shown.encoded.belief.mean))
+    components = made.components
+    facts = {
+        "answer": answer.text,
+        "how_far": how_far.text,
+        "direction": None if answer.direction is None else answer.direction.value,
+        "confidence": round(answer.confidence, 4),
+        "true_motion": made.label.motion.value,
+        "true_ways": [part.way.value for part in components.values() if part.counts],
+        "counts": {name.value: part.counts for name, part in components.items()},
+        "is_visible": {name.value: part.is_visible for name, part in components.items()},
+        "is_right": _is_right(answer.direction, made),
+        "true": _rounded(true),
+        "read": _rounded(read),
+        "error": _rounded({name: read[name] - true[name] for name in read}),
+        "timing_ms": _rounded(made.timing_ms),
+    }
+    return Simulated(shown, _truth(made, shown), facts)
+
+
+def _numbers(twist: Any) -> dict[str, float]:
+    return {
+        "rotation_deg": twist.turn_deg,
+        "slide_x_px": twist.right_px,
+        "slide_y_px": twist.down_px,
+        "press_mm": twist.inward_mm,
+    }
+
+
+def _is_right(direction: Motion | None, made: Any) -> bool:
+    """Tell whether a direction is one of those the touch goes, or goes perhaps."""
+    ways = {part.way for part in made.components.values() if part.counts is not False}
+    return direction == made.label.motion or direction in ways
+
+
+def _truth(made: Any, shown: LoadedClip) -> Seen:
+    seen, contact = shown.seen, made.contact.mean(axis=0)
+    return Seen(
+        seen.frames,
+        seen.idle,
+        made.displacement_px[-1],
+        contact,
+        type(seen.view)(),
+        has_contact=bool(contact.any()),
+        scale=TRUE_DISPLACEMENT,
+    )
+
+
+def _rounded(values: dict[str, float]) -> dict[str, float]:
+    return {name: round(float(np.float64(value)), 2) for name, value in values.items()}

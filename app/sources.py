@@ -1,48 +1,103 @@
-"""What recordings tools may be given: by name, inside a message, or as an upload; nothing else."""
+"""Which recordings a tool may be given: a name that is listed, a data URI, or an upload.
+
+Nothing else on this machine is opened: no path, no link, nothing outside the folder that is served.
+"""
 
 from __future__ import annotations
 
+import base64
+import binascii
+import os
+import stat
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import islice
 from pathlib import Path
+from typing import Any, Literal
+from urllib.parse import unquote, urlsplit
 
-from geotlm_lm import GeoTLMError
+from typing_extensions import TypedDict
 
-from .limits import NAME_CHARACTERS
-from .recordings_folder import RecordingsFolder
-from .results import Listing
-from .uploads import Uploads
+from geotlm_lm import CLIP_SUFFIXES, IMAGE_SUFFIXES, GeoTLMError
 
-EXAMPLE = "example:"
-"""Beginning of an example's name."""
+from .guards import INLINE_BYTES, LISTED, MIB, NAME_CHARACTERS, UPLOAD_BYTES
+from .schema import Listing, StoredRecording
 
-EXAMPLES = {
-    f"{EXAMPLE}{path.stem}": path
-    for path in sorted((Path(__file__).parent / "examples").glob("*.npz"))
+EXAMPLE_FOLDER = Path(__file__).parent / "examples"
+
+EXAMPLES = {f"example:{path.stem}": path for path in sorted(EXAMPLE_FOLDER.glob("*.npz"))}
+"""Paths of the recordings on offer, by the names that tools take."""
+
+FILE_ROUTE = "/gradio_api/file="
+"""What the toolkit puts before the path of an upload."""
+
+BEGINNINGS = {
+    ".npy": (0, b"\x93NUMPY"),
+    ".npz": (0, b"PK\x03\x04"),
+    ".avi": (8, b"AVI "),
+    ".mp4": (4, b"ftyp"),
+    ".gif": (0, b"GIF8"),
+    ".mkv": (0, b"\x1a\x45\xdf\xa3"),
+    ".mcap": (0, b"\x89MCAP0\r\n"),
+    ".db3": (0, b"SQLite format 3\0"),
+    ".bag": (0, b"#ROSBAG V2.0"),
+    ".tif": (0, b"II*\0"),
+    ".tiff": (0, b"MM\0*"),  # the same with its numbers the other way round
 }
+"""Where a file's kind is written in it, and how: a recording inside a message has no name."""
+
+
+class UploadMeta(TypedDict):
+    """Marks an upload for the toolkit."""
+
+    _type: Literal["gradio.FileData"]
+
+
+class Upload(TypedDict):
+    """A file as the Python client sends it."""
+
+    path: str
+    meta: UploadMeta
+
+
+def path_in(given: Any) -> Any:
+    """Return the path of an upload that a client sent as a file, or named by its address."""
+    path = given.get("path") if isinstance(given, dict) else given
+    if isinstance(path, str) and FILE_ROUTE in path:
+        return unquote(urlsplit(path).path.split(FILE_ROUTE, 1)[-1])
+    return path
 
 
 class Sources:
     """Finds a recording, whatever it was given as.
 
     Args:
-        uploads: Holds what was sent.
-        folder: Of the recordings that are served by name; None for none.
+        uploads: Folder that uploads are put in; it is made if missing.
+        served: Folder of recordings to list by name; None for none. A symbolic link to it is
+            followed, none inside it is.
+
+    Raises:
+        GeoTLMError: If the folder to serve is none.
     """
 
-    def __init__(self, uploads: Uploads, folder: RecordingsFolder | None = None) -> None:
-        self._uploads, self._folder = uploads, folder
+    def __init__(self, uploads: str | Path, served: Path | None = None) -> None:
+        if served is not None and not served.is_dir():
+            raise GeoTLMError(
+                f"--recordings {served} is no folder; give the folder that your recordings lie in."
+            )
+        self._uploads = Path(uploads).resolve()
+        self._uploads.mkdir(parents=True, exist_ok=True)
+        self._served = None if served is None else served.resolve()
 
     def listing(self) -> Listing:
         """Return the names that can be given, with the kind and the size of each."""
-        stored, has_more = ([], False) if self._folder is None else self._folder.listing()
+        stored = list(islice(self._stored(), LISTED + 1))
         return {
-            "recordings": [
-                {"name": one.name, "kind": one.kind, "size_bytes": one.size_bytes} for one in stored
-            ],
+            "recordings": stored[:LISTED],
             "examples": list(EXAMPLES),
-            "is_folder_served": self._folder is not None,
-            "has_more": has_more,
+            "is_folder_served": self._served is not None,
+            "has_more": len(stored) > LISTED,
         }
 
     @contextmanager
@@ -53,23 +108,38 @@ class Sources:
             GeoTLMError: If it is none that can be given, in one sentence.
         """
         if given.startswith("data:"):
-            with self._uploads.unpacked(given) as path:
+            with self._unpacked(given) as path:
                 yield path
-            return
-        if given.startswith(EXAMPLE):
+        elif given.startswith("example:"):
             if given not in EXAMPLES:
                 raise GeoTLMError(
                     f"There is no example {given[:80]!r}; the tool recordings lists them."
                 )
             yield EXAMPLES[given]
-            return
-        if self._uploads.holds(given):
-            path = Path(self._uploads.path_of(given))
+        elif self.is_upload(given):
+            path = Path(path_in(given))
             if not path.is_file():
                 raise GeoTLMError("The upload is not on the server any more; send the file again.")
             yield path
-            return
-        yield self._named(given)
+        else:
+            yield self._named(given)
+
+    def is_upload(self, given: Any) -> bool:
+        """Tell whether this is the path or the address of an upload, or what a client sends."""
+        try:
+            path = Path(path_in(given))
+            return path.is_absolute() and path.resolve().is_relative_to(self._uploads)
+        except (OSError, ValueError, TypeError):  # no path at all: too long, or with a null byte
+            return False
+
+    @contextmanager
+    def _unpacked(self, uri: str) -> Iterator[Path]:
+        """Yield where the recording in a data URI lies, for as long as it is read."""
+        stored = _stored_in(uri)
+        with tempfile.TemporaryDirectory(prefix="message-", dir=self._uploads) as home:
+            path = Path(home) / f"clip{_suffix_of(stored[:16])}"
+            path.write_bytes(stored)
+            yield path
 
     def _named(self, name: str) -> Path:
         if len(name) > NAME_CHARACTERS or "://" in name or name.startswith(("/", "\\")):
@@ -78,10 +148,103 @@ class Sources:
                 "the tool recordings lists, or send the file itself, in Python by "
                 "handle_file('clip.npz'), elsewhere as 'data:;base64,...'."
             )
-        if self._folder is None:
+        if self._served is None:
             listed = f" such as {next(iter(EXAMPLES))!r}" if EXAMPLES else ""
             raise GeoTLMError(
                 f"There is no recording {name[:80]!r}, as no folder is served; name an example"
                 f"{listed}, or start the server with --recordings FOLDER."
             )
-        return self._folder.path_of(name)
+        unknown = GeoTLMError(
+            f"There is no recording {name[:80]!r}; the tool recordings lists the names there are."
+        )
+        # The name is looked for in its own folder's listing, never joined to a path and followed.
+        place = self._served
+        *folders, last = name.split("/")
+        for folder in folders:
+            if folder not in _plain_names(place, True):
+                raise unknown
+            place /= folder
+        is_listed = last in [*_plain_names(place, True), *_plain_names(place, False)]
+        stored = _recording(place / last, name) if is_listed else None
+        if stored is None:
+            raise unknown
+        if stored["size_bytes"] > UPLOAD_BYTES:
+            raise GeoTLMError(
+                f"{name} is {stored['size_bytes'] // MIB} MiB long, expected at most "
+                f"{UPLOAD_BYTES // MIB}; cut the recording."
+            )
+        return place / last
+
+    def _stored(self) -> Iterator[StoredRecording]:
+        for place, folders, names in os.walk(self._served) if self._served else ():
+            folders[:] = sorted(name for name in folders if _is_plain(Path(place, name), True))
+            for last in sorted([*names, *folders]):
+                path = Path(place, last)
+                if stored := _recording(path, path.relative_to(self._served).as_posix()):
+                    yield stored
+
+
+def _recording(path: Path, name: str) -> StoredRecording | None:
+    """Return what a path holds; None where it is no recording, hidden, a link or unreadable.
+
+    Nor is it one under a name that is no text, which could not be sent.
+    """
+    try:
+        name.encode()
+        if _is_plain(path, False):
+            suffix = path.suffix.lower()
+            kind, size_bytes = suffix[1:] * (suffix in CLIP_SUFFIXES), path.stat().st_size
+        elif _is_plain(path, True):
+            entries = [path / entry for entry in os.listdir(path)]
+            images = [entry for entry in entries if entry.suffix.lower() in IMAGE_SUFFIXES]
+            is_one = len(images) > 1 and all(_is_plain(image, False) for image in images)
+            kind = "images" if is_one else ""
+            size_bytes = sum(image.stat().st_size for image in images) if is_one else 0
+        else:
+            return None
+    except (OSError, UnicodeEncodeError):
+        return None
+    return {"name": name, "kind": kind, "size_bytes": size_bytes} if kind else None
+
+
+def _plain_names(place: Path, is_folder: bool) -> list[str]:
+    """Return the names of the folders, or of the files, that lie in a folder itself."""
+    try:
+        return [name for name in os.listdir(place) if _is_plain(place / name, is_folder)]
+    except OSError:
+        return []
+
+
+def _is_plain(path: Path, is_folder: bool) -> bool:
+    """Tell whether a path is a file, or a folder, itself: not hidden, no link, no device."""
+    try:
+        mode = path.lstat().st_mode
+    except OSError:
+        return False
+    is_kind = stat.S_ISDIR(mode) if is_folder else stat.S_ISREG(mode)
+    return is_kind and not path.name.startswith(".")
+
+
+def _stored_in(uri: str) -> bytes:
+    """Return the file in a data URI."""
+    form, _, content = uri.partition(",")
+    if not form.endswith(";base64"):
+        raise GeoTLMError(
+            "The clip's data URI is not in base64; send 'data:;base64,' and the file in base64."
+        )
+    if len(content) > INLINE_BYTES * 4 // 3 + 4:
+        raise GeoTLMError(
+            f"The clip is {len(content) * 3 // 4 / MIB:.0f} MiB long, expected at most "
+            f"{INLINE_BYTES // MIB} inside a message; upload it and send its address."
+        )
+    try:
+        return base64.b64decode(content, validate=True)
+    except (binascii.Error, ValueError) as error:
+        raise GeoTLMError(
+            "The clip's data URI is cut off or no base64; send the whole file."
+        ) from error
+
+
+def _suffix_of(beginning: bytes) -> str:
+    kinds = (suffix for suffix, (at, mark) in BEGINNINGS.items() if beginning.startswith(mark, at))
+    return next(kinds, "")

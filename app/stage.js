@@ -1,3 +1,49 @@
+// Keeps what arrives of a stream that is watched: each value brings one picture more, and the whole
+// timeline as far as it is shown.
+
+const MOST_PICTURES = 320; // of more every second one is let go of
+const STALE_MS = 3000; // without a picture it is not live any more
+const SILENT = "No picture has come for 3 s: the camera was stopped, or has stalled.";
+
+class Received {
+  begin(stream) {
+    this.stream = stream;
+    this.images = [];
+    this.touched = [];
+    this.x = [];
+    this.numbers = [];
+    this.idle = null;
+  }
+
+  // What the stage shows once a value has come; null where another stream has begun meanwhile.
+  async with(value) {
+    if (this.stream !== value.stream) this.begin(value.stream);
+    const given = value.picture;
+    const [image, idle] = await Promise.all(
+      [given && given.image, value.idle].map((one) => (one ? loadImage(one) : null)));
+    if (this.stream !== value.stream) return null;
+    if (idle) this.idle = pixelsOf(idle);
+    if (image && !(given.at <= this.x[this.x.length - 1])) this.add(given, image);
+    return { ...value, frames: this.images, x: this.x, numbers: this.numbers, rate: this.rate };
+  }
+
+  add(given, image) {
+    this.images.push(image);
+    this.touched.push(given.touched ? maskCanvas(given.touched) : null);
+    this.x.push(given.at);
+    this.numbers.push(given.number);
+    if (this.images.length <= MOST_PICTURES) return;
+    for (const name of ["images", "touched", "x", "numbers"]) {
+      const last = this[name].length - 1;
+      this[name] = this[name].filter((_, k) => (last - k) % 2 === 0);
+    }
+  }
+
+  get rate() {
+    const last = this.x.length - 1;
+    return last > 0 ? last / (this.x[last] - this.x[0]) : 10;
+  }
+}
 // Plays a recording, and keeps picture, slider and timeline at the same frame.
 
 const part = (name) => element.querySelector(`[data-part="${name}"]`);
@@ -263,3 +309,52 @@ function seek(place) {
   pause();
   go(place);
 }
+// Mouse, finger and keys on the stage; comes last, and shows the first value.
+
+playButton.onclick = () => (runs() ? pause() : play());
+scrub.oninput = () => seek(Number(scrub.value));
+picture.onclick = playButton.onclick;
+element.addEventListener("keydown", (event) => {
+  const steps = { ArrowLeft: frame - 1, ArrowRight: frame + 1, Home: 0, End: 1e9 };
+  if (event.key === " " && event.target.tagName !== "BUTTON") playButton.click();
+  else if (event.key in steps) seek(steps[event.key]);
+  else return;
+  event.preventDefault();
+});
+
+const tip = part("tip");
+let isDragging = false;
+const toPlace = (event) => {
+  const box = part("time").getBoundingClientRect();
+  return timeline.valueAt(event.clientX - box.left);
+};
+part("time").addEventListener("pointerdown", (event) => {
+  if (!data) return;
+  isDragging = true;
+  part("time").setPointerCapture(event.pointerId);
+  seek(nearest(data.x, toPlace(event)));
+});
+part("time").addEventListener("pointermove", (event) => {
+  if (!data) return;
+  const value = toPlace(event);
+  if (isDragging) seek(nearest(data.x, value));
+  if (!data.timeline) return;
+  tip.textContent = timeline.toldAt(value);
+  tip.hidden = false;
+  const box = element.getBoundingClientRect();
+  const left = Math.min(event.clientX - box.left + 14, box.width - tip.offsetWidth - 4);
+  tip.style.left = `${left}px`;
+  tip.style.top = `${part("time").getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
+});
+for (const ending of ["pointerup", "pointercancel", "pointerleave"]) {
+  part("time").addEventListener(ending, () => {
+    isDragging = false;
+    if (ending !== "pointerup") tip.hidden = true;
+  });
+}
+new ResizeObserver(() => {
+  timeline.draw();
+  draw();
+}).observe(element);
+watch("value", () => show(props.value));
+show(props.value);

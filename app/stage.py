@@ -1,7 +1,7 @@
 """The stage: what the browser plays of a recording, draws over it, and shows below it over time.
 
-Gathers plain values; `stage.js` draws them. Pictures travel inside the values, so that none lies on
-the disk.
+Gathers plain values, which `stage.js` and `timeline.js` draw. Pictures travel inside the values, so
+that none lies on the disk.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm import (
+    COMPONENTS,
     FRAME_COUNT,
+    SPAN_DEVIATIONS,
     Clip,
+    Drawing,
     Seen,
     Units,
     arrow_ends,
@@ -27,13 +30,12 @@ from geotlm_lm import (
     drawing_of,
 )
 
-from .error_display import gradio
-from .timeline import Axis, step_of, timeline_of
+from .toolkit import html
 
 if TYPE_CHECKING:
     from geotlm_lm import FrameSpec
 
-    from .clip_loading import LoadedClip
+    from .clips import LoadedClip
 
 MOST_FRAMES = 300
 """Of a recording that are sent; of a longer one every second, third, ..."""
@@ -50,9 +52,10 @@ SAMPLED = 6
 SHORT_HZ, ASSUMED_HZ = 10.0, 25.0
 """Rate that a clip of four frames is played at, and a recording that does not tell its own."""
 
-_HERE = Path(__file__).parent
-_SCRIPTS = ("stage_draw.js", "stage_timeline.js", "stage_live.js", "stage.js", "stage_input.js")
+MOST_POINTS = 1000
+"""Of a curve; a longer one is thinned, its ends stay."""
 
+DEGREE = "°"
 
 OPEN_ONE = "Open an example below, or drop a recording there: it plays here."
 
@@ -65,15 +68,11 @@ def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
             for nothing.
         invites: What stands where the picture will be.
     """
+    names = ("stage.html", "draw.js", "timeline.js", "stage.js")
+    template, *scripts = (Path(__file__).with_name(name).read_text("utf-8") for name in names)
     # The template is static: what stands in it would be run as a program.
-    return gradio().HTML(
-        value or {},
-        html_template=(_HERE / "stage.html").read_text("utf-8").replace("INVITES", invites),
-        css_template="",
-        js_on_load="\n".join((_HERE / name).read_text("utf-8") for name in _SCRIPTS),
-        apply_default_css=False,
-        elem_classes=["stage-block"],
-    )
+    template = template.replace("INVITES", invites)
+    return html(value or {}, template, "stage-block", "\n".join(scripts))
 
 
 def stage_of(
@@ -94,22 +93,17 @@ def stage_of(
         first, last = encoded.track.numbers[0], encoded.track.numbers[-1]
         numbers = enumerate(clip.frame_numbers)
         clip = clip.select([k for k, number in numbers if first <= number <= last])
-    told, axis = _frames_of(clip, name)
+    values = opening(clip, name) | {"pending": False}
     units = Units(clip.frames.shape[1:3], mm_per_px)
     if encoded.track is None:
-        told["step"] = step_of(shown, units)
+        values["step"] = step_of(shown, units)
     else:
-        told["timeline"] = timeline_of(drawing_of(encoded.track, units), axis)
+        values["timeline"] = timeline_of(drawing_of(encoded.track, units), values["unit"])
     looked_at = encoded.clip.frame_numbers
     when = "" if encoded.track is None else f" in frames {looked_at[0]} to {looked_at[-1]}"
-    told["overlays"] = _overlays(shown.seen, when)
-    told["overlays"]["fields"] += fields
-    return told
-
-
-def opening(clip: Clip, name: str) -> dict[str, Any]:
-    """Return what the stage shows of a recording before the model has looked at it."""
-    return _frames_of(clip, name)[0] | {"pending": True}
+    values["overlays"] = _overlays(shown.seen, when)
+    values["overlays"]["fields"] += fields
+    return values
 
 
 def field_of(seen: Seen, key: str, label: str, colour: str) -> dict[str, Any]:
@@ -137,49 +131,45 @@ def field_of(seen: Seen, key: str, label: str, colour: str) -> dict[str, Any]:
     }
 
 
-def _frames_of(clip: Clip, name: str) -> tuple[dict[str, Any], Axis]:
+def opening(clip: Clip, name: str) -> dict[str, Any]:
+    """Return what the stage shows of a recording before the model has looked at it."""
     places = np.linspace(0, len(clip) - 1, min(len(clip), MOST_FRAMES)).round().astype(int)
     kept = clip.select(places.tolist())
     rows, columns = camera_size(*clip.frames.shape[1:3])
-    axis = Axis(kept.is_timed and len(clip) > FRAME_COUNT)
     numbers = np.array(kept.frame_numbers)
-    seconds = np.array([kept.second_of(int(one), ASSUMED_HZ) for one in numbers])
+    seconds = np.array([kept.second_of(int(number), ASSUMED_HZ) for number in numbers])
     is_short = len(clip) <= FRAME_COUNT
-    span = float(seconds[-1] - seconds[0])
-    rate = SHORT_HZ if is_short or span <= 0 else (len(kept) - 1) / span
+    unit = "s" if kept.is_timed and not is_short else "frame"
+    span_s = float(seconds[-1] - seconds[0])
+    rate = SHORT_HZ if is_short or span_s <= 0 else (len(kept) - 1) / span_s
     idle = [] if clip.background is None else [clip.background]
     pictures, side = _encoded([*kept.frames, *idle])
-    told = {
+    is_timed = clip.is_timed and not is_short
+    return {
         "key": secrets.token_hex(4),
         "name": name,
-        "about": _about(clip, span),
+        "about": f"{span_s:.1f} s, {len(clip)} frames" if is_timed else f"{len(clip)} frames",
         "aspect": columns / rows,
         "frames": pictures[: len(kept)],
         "idle": pictures[-1] if idle else None,
         "side": side,
         "numbers": numbers.tolist(),
-        "x": _rounded(axis.of(numbers, seconds)),
-        "unit": axis.unit,
+        "x": _rounded(seconds if unit == "s" else numbers),
+        "unit": unit,
         "rate": round(rate, 3),
         "loops": is_short,
+        "pending": True,
     }
-    return told, axis
-
-
-def _about(clip: Clip, span_s: float) -> str:
-    if len(clip) <= FRAME_COUNT or not clip.is_timed:
-        return f"{len(clip)} frames"
-    return f"{span_s:.1f} s, {len(clip)} frames"
 
 
 def _encoded(images: list[NDArray[np.uint8]]) -> tuple[list[str], int]:
     """Return pictures as data addresses, as good as the budget allows, and their longer side."""
     sample = [images[k] for k in np.linspace(0, len(images) - 1, SAMPLED).round().astype(int)]
     for side, quality in QUALITIES:
-        size = sum(len(_jpeg(one, side, quality)) for one in sample) / len(sample)
+        size = sum(len(_jpeg(image, side, quality)) for image in sample) / len(sample)
         if size * len(images) <= BUDGET_BYTES:
             break
-    return [jpeg_address(one, side, quality) for one in images], side
+    return [jpeg_address(image, side, quality) for image in images], side
 
 
 def _jpeg(image: NDArray[np.uint8], side: int, quality: int) -> bytes:
@@ -213,7 +203,8 @@ def _overlays(seen: Seen, when: str) -> dict[str, Any]:
     if seen.depth_mm is not None:
         deepest = float(seen.depth_mm.max())
         overlays["depth"] = [
-            _address(_png(draw_depth(one, one.shape, deepest)), "png") for one in seen.depth_mm
+            _address(_png(draw_depth(depth, depth.shape, deepest)), "png")
+            for depth in seen.depth_mm
         ]
         overlays["deepest_mm"] = round(deepest, 2)
     return overlays
@@ -221,6 +212,107 @@ def _overlays(seen: Seen, when: str) -> dict[str, Any]:
 
 def _png(image: NDArray[np.uint8]) -> bytes:
     return cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
+
+
+def timeline_of(drawing: Drawing, unit: str, since_s: float = -np.inf) -> dict[str, Any]:
+    """Return the curves of a track with the spans that hold nine tenths, and its events.
+
+    Args:
+        drawing: Of the track.
+        unit: Of the axis: "s", or "frame" where the times are not known.
+        since_s: From when on; the way is that since the track's own begin all the same.
+    """
+    places = np.flatnonzero(drawing.times_s >= since_s)
+    if len(places) > MOST_POINTS:
+        places = places[np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)]
+    travel = drawing.units.name
+    panels = [
+        {"name": "turn", "unit": DEGREE, "told": "turn, clockwise up"},
+        {"name": "travel", "unit": travel, "told": f"travel in {travel}: right, dashed: down"},
+        {"name": "contact", "unit": "", "range": [0, 1], "told": "contact"},
+    ]
+    for panel in panels:
+        curves = (curve for curve in drawing.curves if curve.panel == panel["name"])
+        panel["curves"] = [_curve(curve, places) for curve in curves]
+    return {
+        "x": _rounded((drawing.times_s if unit == "s" else drawing.numbers)[places]),
+        "panels": panels,
+        "events": [_event(band, unit) for band in drawing.bands if band.event.end_s >= since_s],
+        # The way in shares of the picture, drawn as long as it is.
+        "way": _rounded(drawing.arrows[places]),
+    }
+
+
+def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
+    """Return what is believed of a short clip: each component's way and amount, from end to end.
+
+    Args:
+        shown: The clip.
+        units: Of its frames.
+    """
+    from geotlm_lm import LEAST_SURE  # with the model's libraries
+
+    belief = shown.encoded.belief
+    if not shown.seen.has_contact or belief.contact < LEAST_SURE:
+        return {"rows": [], "told": "No contact is seen: no motion is claimed."}
+    return {"rows": [_row(belief, part, units) for part in COMPONENTS], "told": ""}
+
+
+def _row(belief: Any, component: Any, units: Units) -> dict[str, Any]:
+    from geotlm_lm import LEAST_SURE
+
+    counts = belief.counts(component)
+    row = {"name": component.value, "counts": counts >= LEAST_SURE}
+    if not belief.readable.get(component, True):
+        return row | {"counts": False, "text": "cannot be told from these pictures"}
+    if not row["counts"]:
+        return row | {"text": f"none, {100 * (1 - counts):.0f} % sure"}
+    way = belief.way(component)
+    share = belief.share(way, component)
+    if share < LEAST_SURE:
+        return row | {"text": "yes, but not which way"}
+    unit, factor = _unit_of(belief, component, units)
+    mean = factor * belief.amount(component)
+    spread = factor * SPAN_DEVIATIONS * belief.deviation(component)
+    far = _far(mean, mean - spread, mean + spread, unit)
+    return row | {"text": f"{way.value} {far}, {100 * counts * share:.0f} % sure"}
+
+
+def _unit_of(belief: Any, component: Any, units: Units) -> tuple[str, float]:
+    """Return the unit of a component, and what belief's own is of it along the way."""
+    if component.value != "slide":
+        return {"turn": DEGREE, "press": "mm"}[component.value], 1.0
+    way = belief.mean.right_px, belief.mean.down_px
+    length = float(np.hypot(*way))
+    scaled = float(np.hypot(*units.travelled(*way)))
+    return units.name, scaled / length if length else units.travel[1][0]
+
+
+def _event(band: Any, axis_unit: str) -> dict[str, Any]:
+    event, unit = band.event, DEGREE if band.unit == "deg" else band.unit
+    is_timed = axis_unit == "s"
+    return {
+        "kind": event.kind.value,
+        "name": band.name,
+        "begin": round(float(event.begin_s if is_timed else event.begin), 4),
+        "end": round(float(event.end_s if is_timed else event.end), 4),
+        "far": _far(band.amount, band.low, band.high, unit) if unit else "",
+        "sure": round(100 * event.probability),
+    }
+
+
+def _far(mean: float, low: float, high: float, unit: str) -> str:
+    gap = "" if unit == DEGREE else " "
+    middle, least, most = (
+        f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+        for value in (mean, max(low, 0.0), high)
+    )
+    return f"{middle}{gap}{unit} ({least} to {most})"
+
+
+def _curve(curve: Any, places: NDArray) -> dict[str, Any]:
+    plain = {"name": curve.name, "mean": _rounded(curve.mean[places], 3)}
+    return plain if curve.spread is None else plain | {"spread": _rounded(curve.spread[places], 3)}
 
 
 def _rounded(values: Any, digits: int = 4) -> list:

@@ -1,4 +1,4 @@
-"""Tools as programs see them: a function's parameters checked, its schemas, its mistakes told."""
+"""Tools as programs and agents see them: typed, checked, with schemas; errors in one sentence."""
 
 from __future__ import annotations
 
@@ -12,6 +12,11 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create
 
 from geotlm_lm import GeoTLMError
 
+from .guards import BUSY_TITLE, Busy
+from .schema import Recording
+from .sources import Upload, path_in
+from .toolkit import MODEL, gradio
+
 logger = logging.getLogger(__name__)
 
 OUR_FAULT = "The tool failed, and it is not your fault; the server's log has the reason."
@@ -19,15 +24,7 @@ OUR_FAULT = "The tool failed, and it is not your fault; the server's log has the
 
 @dataclass(frozen=True)
 class Tool:
-    """A function that programs and agents call by name.
-
-    Args:
-        name: Its own.
-        description: What it does, and what it returns.
-        function: That is called with its parameters.
-        parameters: What these are checked by.
-        output: What its result is described by.
-    """
+    """A function that programs and agents call by name; its parameters and result are annotated."""
 
     name: str
     description: str
@@ -37,15 +34,15 @@ class Tool:
 
     @classmethod
     def of(cls, function: Callable[..., dict[str, Any]]) -> Tool:
-        """Return the tool of a function whose parameters and result are annotated."""
+        """Return the tool of a function."""
         hints = get_type_hints(function, include_extras=True)
         fields = {
-            name: (hints[name], ... if one.default is inspect.Parameter.empty else one.default)
-            for name, one in inspect.signature(function).parameters.items()
+            name: (hints[name], ... if field.default is inspect.Parameter.empty else field.default)
+            for name, field in inspect.signature(function).parameters.items()
         }
         model = create_model(function.__name__, __config__=ConfigDict(extra="forbid"), **fields)
-        described = inspect.getdoc(function) or ""
-        return cls(function.__name__, described, function, model, TypeAdapter(hints["return"]))
+        description = inspect.getdoc(function) or ""
+        return cls(function.__name__, description, function, model, TypeAdapter(hints["return"]))
 
     @property
     def _names(self) -> tuple[str, ...]:
@@ -69,7 +66,7 @@ class Tool:
 
         Raises:
             GeoTLMError: If a parameter is wrong, or the function cannot do what is asked, in one
-                sentence; a mistake of ours is logged and told as such.
+                sentence; a defect is logged with its trace and reported as one.
         """
         try:
             checked = self.parameters.model_validate(dict(given))
@@ -84,10 +81,36 @@ class Tool:
             logger.exception("the tool %s failed", self.name)
             raise GeoTLMError(OUR_FAULT) from error
 
+    def serve(self) -> None:
+        """Serve the tool over REST; call it inside the `gradio.Blocks`."""
+        gradio().api(self._typed(), api_name=self.name, api_description=self.description, **MODEL)
+
+    def _typed(self) -> Callable[..., Any]:
+        """Return the tool as the toolkit takes it: plain types, files as its clients send them."""
+        signature = inspect.signature(self.function)
+        full = get_type_hints(self.function, include_extras=True)
+        plain = get_type_hints(self.function)
+        hints = {name: Upload | str if full[name] == Recording else plain[name] for name in plain}
+
+        def call(*given: Any) -> dict[str, Any]:
+            try:
+                return self.call(dict(zip(signature.parameters, map(path_in, given), strict=True)))
+            except GeoTLMError as error:
+                title = {"title": BUSY_TITLE} if isinstance(error, Busy) else {}
+                raise gradio().Error(str(error), print_exception=False, **title) from error
+
+        typed = [
+            parameter.replace(annotation=hints[name])
+            for name, parameter in signature.parameters.items()
+        ]
+        call.__signature__ = inspect.Signature(typed, return_annotation=hints["return"])
+        call.__annotations__, call.__name__, call.__doc__ = hints, self.name, self.description
+        return call
+
     def _sentence(self, error: ValidationError) -> str:
         """Return the first of what is wrong with the parameters."""
         first = error.errors(include_url=False)[0]
-        name = ".".join(str(one) for one in first["loc"])
+        name = ".".join(map(str, first["loc"]))
         if first["type"] == "missing":
             fields = self.parameters.model_fields
             needed = [name for name in self._names if fields[name].is_required()]
@@ -95,26 +118,21 @@ class Tool:
         if first["type"] == "extra_forbidden":
             known = ", ".join(self._names) or "none"
             return f"{self.name}: there is no parameter {name[:80]!r}; it takes {known}."
-        said = first["msg"][:1].lower() + first["msg"][1:]
+        value, reason = repr(first["input"]), first["msg"]
         return (
-            f"{self.name}: {name} was {_shown(first['input'])}, and {said}; the tool's schema says "
-            f"what it may be."
+            f"{self.name}: {name} was {value if len(value) <= 40 else f'{value[:37]}...'}, and "
+            f"{reason[:1].lower()}{reason[1:]}; the tool's schema says what it may be."
         )
-
-
-def _shown(value: Any) -> str:
-    shown = repr(value)
-    return shown if len(shown) <= 40 else f"{shown[:37]}..."
 
 
 def _without_titles(schema: Any) -> Any:
     """Return a schema without the titles that repeat each name."""
     if isinstance(schema, list):
-        return [_without_titles(one) for one in schema]
+        return [_without_titles(part) for part in schema]
     if not isinstance(schema, dict):
         return schema
     return {
-        name: _without_titles(one)
-        for name, one in schema.items()
-        if not (name == "title" and isinstance(one, str))
+        name: _without_titles(part)
+        for name, part in schema.items()
+        if not (name == "title" and isinstance(part, str))
     }

@@ -1,7 +1,7 @@
-"""Turns at the model: whoever wants it waits in line, and long work lets others in between.
+"""Turns at the model, which everybody shares: requests wait in line, long work lets others in.
 
-A recording is tracked frame by frame; after a tenth of a second its turn is over if anybody waits,
-and it stands in line again. So nobody waits for a whole recording, only for a slice of each.
+A recording is tracked frame by frame; after a tenth of a second its turn is over if others wait,
+and it stands in line again. So a question waits for a slice of each recording, never for a whole.
 """
 
 from __future__ import annotations
@@ -15,36 +15,31 @@ from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer, FrameSpec, Session, Tracker
+    from geotlm_lm import Answerer, FrameSpec
 
 SLICE_S = 0.1
 """Time after which a turn is over if others wait: some ten frames of a recording."""
 
-TOLD_EVERY_S = 0.25
-"""Time between two words of how far it is."""
+REPORTED_EVERY_S = 0.25
+"""Time between two reports of progress."""
 
-Tell = Callable[[str, int, int], None]
-"""Called with what is done, how much of it, and of how much; it shows this to whoever waits."""
+Report = Callable[[str, int, int], None]
+"""Takes what is done, how much of it, and of how much, and shows this to who waits."""
 
-
-LISTENER: ContextVar[Tell | None] = ContextVar("listener", default=None)
-"""Is told how far a request is in place of the page, where one from elsewhere wants to know."""
-
-
-def silent(what: str, done: int, total: int) -> None:
-    """Show nothing."""
+LISTENER: ContextVar[Report | None] = ContextVar("listener", default=None)
+"""Takes the progress of a request in place of the page, where a client wants to know it."""
 
 
 class Turns:
     """A lock that is handed on in the order in which it was asked for.
 
     Args:
-        tell: Shows the place in the line, and how far long work is.
+        report: Shows the place in the line, and how far long work is.
         slice_s: Time after which long work gives it up to those who wait.
     """
 
-    def __init__(self, tell: Tell = silent, slice_s: float = SLICE_S) -> None:
-        self.tell, self.slice_s = tell, slice_s
+    def __init__(self, report: Report = lambda *_: None, slice_s: float = SLICE_S) -> None:
+        self.report, self.slice_s = report, slice_s
         self._lock = Lock()
         self._line: deque[Event] = deque()
         self._is_taken = False
@@ -74,25 +69,22 @@ class Turns:
                 return
             self._line.append(mine)
         try:
-            self._wait(mine)
+            while not mine.wait(REPORTED_EVERY_S):
+                with self._lock:
+                    before = self._line.index(mine) + 1 if mine in self._line else 0
+                if before:
+                    self.report(f"waiting for the model, {before} before you", 0, before)
         except BaseException:
             self._leave(mine)
             raise
 
     def give(self) -> None:
-        """Hand the turn to the first in line; nobody can slip in between."""
+        """Hand the turn to the first in line; no other can slip in between."""
         with self._lock:
             if self._line:
                 self._line.popleft().set()
             else:
                 self._is_taken = False
-
-    def _wait(self, mine: Event) -> None:
-        while not mine.wait(TOLD_EVERY_S):
-            with self._lock:
-                before = self._line.index(mine) + 1 if mine in self._line else 0
-            if before:
-                self.tell(f"waiting for the model, {before} before you", 0, before)
 
     def _leave(self, mine: Event) -> None:
         """Stand in line no more; a turn that came in the meantime goes to the next."""
@@ -104,10 +96,7 @@ class Turns:
 
 
 class Turn:
-    """A turn that is held, and may be given up for a while between two frames.
-
-    Args:
-        turns: Whose it is.
+    """A turn, given up for a while between two frames.
 
     Attributes:
         is_held: Whether it is held now; not while others go first, nor if the wait for them failed.
@@ -116,14 +105,14 @@ class Turn:
     def __init__(self, turns: Turns) -> None:
         self._turns = turns
         self.is_held = True
-        self._since_s = self._told_s = time.monotonic()
+        self._since_s = self._reported_s = time.monotonic()
 
     def progress(self, what: str, done: int, total: int) -> None:
-        """Tell how far it is, and let those who wait go first once the slice is over."""
+        """Report how far it is, and let those who wait go first once the slice is over."""
         now_s = time.monotonic()
-        if now_s - self._told_s >= TOLD_EVERY_S:
-            self._told_s = now_s
-            self._turns.tell(what, done, total)
+        if now_s - self._reported_s >= REPORTED_EVERY_S:
+            self._reported_s = now_s
+            self._turns.report(what, done, total)
         if self._turns.waiting and now_s - self._since_s >= self._turns.slice_s:
             self.is_held = False
             self._turns.give()
@@ -132,115 +121,95 @@ class Turn:
             self._since_s = time.monotonic()
 
 
-class AnswererInTurns:
-    """An `Answerer` that everybody shares: whatever uses the model waits for its turn.
+class _InTurns:
+    """Stands for something that uses the model: the methods named here wait for their turn."""
 
-    Args:
-        answerer: The model.
-        turns: At it.
-    """
+    waiting: tuple[str, ...] = ()
 
-    def __init__(self, answerer: Answerer, turns: Turns) -> None:
-        self._answerer, self._turns = answerer, turns
-
-    def encode(self, clip: Any, **named: Any) -> Any:
-        """Perceive or track a recording, letting others in between; as `Answerer.encode`."""
-        with self._turns.turn() as turn:
-            return self._answerer.encode(clip, progress=turn.progress, **named)
-
-    def track(self, recording: Any) -> Any:
-        """Track a recording, letting others in between; as `Answerer.track`."""
-        with self._turns.turn() as turn:
-            return self._answerer.track(recording, progress=turn.progress)
-
-    def tracker(self, recording: Any = None) -> TrackerInTurns:
-        """Return what follows frames one by one, each in a turn; as `Answerer.tracker`."""
-        with self._turns.turn():
-            return TrackerInTurns(self._answerer.tracker(recording), self._turns)
-
-    def ask(self, encoded: Any, question: str, **named: Any) -> Any:
-        """Answer a question; as `Answerer.ask`."""
-        with self._turns.turn():
-            return self._answerer.ask(encoded, question, **named)
-
-    def compare(self, first: Any, second: Any, *question: str, **named: Any) -> Any:
-        """Answer a question about two recordings; as `Answerer.compare`."""
-        with self._turns.turn():
-            return self._answerer.compare(first, second, *question, **named)
-
-    def session(self, encoded: Any, **named: Any) -> SessionInTurns:
-        """Return a conversation, each of whose questions waits for its turn."""
-        return SessionInTurns(self._answerer.session(encoded, **named), self._turns)
+    def __init__(self, shared: Any, turns: Turns) -> None:
+        self._shared, self._turns = shared, turns
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._answerer, name)
+        value = getattr(self._shared, name)
+        if name not in self.waiting:
+            return value
+
+        def call(*given: Any, **named: Any) -> Any:
+            with self._turns.turn():
+                return value(*given, **named)
+
+        return call
 
 
-class SessionInTurns:
-    """A conversation each of whose questions waits for its turn; in all else a `Session`.
+class AnswererInTurns(_InTurns):
+    """An `Answerer` that waits for its turn; tracking lets others in between two frames."""
 
-    Args:
-        session: The conversation.
-        turns: At the model.
-    """
+    waiting = ("ask", "compare")
 
-    def __init__(self, session: Session, turns: Turns) -> None:
-        self._session, self._turns = session, turns
+    def encode(self, clip: Any, **named: Any) -> Any:
+        """As `Answerer.encode`."""
+        with self._turns.turn() as turn:
+            return self._shared.encode(clip, progress=turn.progress, **named)
+
+    def track(self, recording: Any) -> Any:
+        """As `Answerer.track`."""
+        with self._turns.turn() as turn:
+            return self._shared.track(recording, progress=turn.progress)
+
+    def tracker(self, recording: Any = None) -> TrackerInTurns:
+        """As `Answerer.tracker`; each frame waits for its turn."""
+        with self._turns.turn():
+            return TrackerInTurns(self._shared.tracker(recording), self._turns)
+
+    def session(self, encoded: Any, **named: Any) -> SessionInTurns:
+        """As `Answerer.session`."""
+        return SessionInTurns(self._shared.session(encoded, **named), self._turns)
+
+
+class SessionInTurns(_InTurns):
+    """A `Session` each of whose questions waits for its turn."""
+
+    waiting = ("ask",)
 
     @property
     def frame(self) -> FrameSpec:
         """The frame of reference that holds now."""
-        return self._session.frame
+        return self._shared.frame
 
     @frame.setter
     def frame(self, frame: FrameSpec) -> None:
-        self._session.frame = frame
-
-    def ask(self, question: str) -> Any:
-        """Answer the next question; as `Session.ask`."""
-        with self._turns.turn():
-            return self._session.ask(question)
-
-    def stream(self, question: str) -> Iterator[Any]:
-        """Yield the reply word by word, each found in a turn; as `Session.stream`."""
-        pieces, is_over = self._session.stream(question), object()
-        while True:
-            with self._turns.turn():
-                piece = next(pieces, is_over)
-            if piece is is_over:
-                return
-            yield piece
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._session, name)
+        self._shared.frame = frame
 
 
-class TrackerInTurns:
-    """A `Tracker` each of whose frames waits for its turn.
+class TrackerInTurns(_InTurns):
+    """A `Tracker` each of whose frames waits for its turn."""
 
-    Args:
-        tracker: That is fed.
-        turns: At the model.
-    """
-
-    def __init__(self, tracker: Tracker, turns: Turns) -> None:
-        self._tracker, self._turns = tracker, turns
-
-    def feed(self, *given: Any) -> Any:
-        """Take in the next frame; as `Tracker.feed`."""
-        with self._turns.turn():
-            return self._tracker.feed(*given)
-
-    def finish(self) -> Any:
-        """Return the track of all frames; as `Tracker.finish`."""
-        with self._turns.turn():
-            return self._tracker.finish()
+    waiting = ("feed", "finish")
 
     @property
     def so_far(self) -> Any:
-        """The track as far as it is settled; as `Tracker.so_far`, and not amid a frame."""
+        """The track as far as it is settled, not amid a frame."""
         with self._turns.turn():
-            return self._tracker.so_far
+            return self._shared.so_far
+
+
+class LazyAnswerer:
+    """Becomes an `Answerer` at its first use, so that the page stands before the model is loaded.
+
+    Args:
+        load: Loads the model; called once, by whichever thread comes first.
+    """
+
+    def __init__(self, load: Callable[[], Answerer]) -> None:
+        self._load, self._lock = load, Lock()
+        self._loaded: Answerer | None = None
+
+    def load(self) -> Answerer:
+        """Return the model; other threads wait while one loads it; an error is tried again."""
+        with self._lock:
+            if self._loaded is None:
+                self._loaded = self._load()
+            return self._loaded
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._tracker, name)
+        return getattr(self.load(), name)

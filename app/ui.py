@@ -1,28 +1,24 @@
-"""The page: its tabs, and what stands above them; each tab has its own file."""
+"""The page: its tabs, each of which has its own file, how it looks, and how it is served."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from . import guards
 from .agents import PATH, AgentServer, require_mcp
-from .budget import keep_messages_counted
-from .busy_status import BusyStatus
-from .error_display import MODEL_LINE, gradio, tell_progress
-from .limits import AT_ONCE, QUEUE, UPLOAD_BYTES
-from .message_limit import MessageLimit
-from .no_addresses import NoAddresses, refuse_addresses
-from .own_names import OWN_NAMES, OwnNamesOnly
-from .session_order import keep_session_order
+from .toolkit import MODEL_LINE, gradio, report_progress
 from .turns import AnswererInTurns, Turns
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from geotlm_lm import Answerer
+
+HOST = "127.0.0.1"
+"""Where the page listens: on this machine only."""
 
 NAME_EMPTY = """() => {
     const name = () => document.querySelectorAll('.empty[aria-label]:not([role])')
-        .forEach(one => one.setAttribute('role', 'img'));
+        .forEach(picture => picture.setAttribute('role', 'img'));
     new MutationObserver(name).observe(document.body, {childList: true, subtree: true});
     name();
 }"""
@@ -32,6 +28,12 @@ HEAD = (
     "<h1>geotlm-lm</h1> <p>Ask a camera-based touch sensor, in plain language, how the touched "
     "object moves.</p>"
 )
+
+# The toolkit's bundled fonts are incomplete (its semibold holds two letters), others are fetched.
+FONT = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "Ubuntu", "Cantarell", "sans-serif")
+MONO = ("ui-monospace", "SFMono-Regular", "Menlo", "Consolas", "monospace")
+
+STYLES = [str(Path(__file__).with_name("page.css"))]
 
 
 def build(answerer: Answerer, recordings: Path | None = None) -> Any:
@@ -45,22 +47,19 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
         MissingDependency: If gradio is not installed.
     """
     gr = gradio()
-    from . import (
-        ask_tab,
-        benchmark_tab,
-        compare_tab,
-        live_tab,
-        programs_tab,
-        session_files,
-        simulate_tab,
-    )
+    from gradio.utils import get_upload_folder
 
-    answerer = AnswererInTurns(answerer, Turns(tell_progress))
-    tools = _tools(answerer, recordings)
+    from . import ask_tab, compare_tab, live_tab, sessions, simulate_tab
+    from .api import Api
+    from .sources import Sources
+    from .tools import Tool
 
+    answerer = AnswererInTurns(answerer, Turns(report_progress))
+    api = Api(answerer, Sources(get_upload_folder(), recordings))
+    tools = [Tool.of(function) for function in api.functions]
     # Without analytics nothing leaves the machine, and the page starts offline without a wait.
     with gr.Blocks(
-        title="geotlm-lm", analytics_enabled=False, delete_cache=session_files.DELETE_CACHE
+        title="geotlm-lm", analytics_enabled=False, delete_cache=sessions.DELETE_CACHE
     ) as page:
         gr.HTML(HEAD, elem_classes=["page-head"], apply_default_css=False)
         with gr.Tab("Ask"):
@@ -71,33 +70,13 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
             live_tab.build(answerer)
         with gr.Tab("Simulate"):
             simulate_tab.build(answerer)
-        with gr.Tab("Benchmark"):
-            benchmark_tab.build()
-        with gr.Tab("API"):
-            programs_tab.build(tools)
-        session_files.connect(page, [one for one in page.blocks.values() if type(one) is gr.File])
+        for tool in tools:
+            tool.serve()
+        sessions.remove_uploads_with_session(page)
         page.load(None, js=NAME_EMPTY, api_visibility="private")
-    refuse_addresses(page)
+    guards.refuse_addresses(page)
     page.tools = tools
     return page
-
-
-def _tools(answerer: Answerer, recordings: Path | None) -> list[Any]:
-    from gradio.utils import get_upload_folder
-
-    from .api import Api
-    from .recordings_folder import RecordingsFolder
-    from .sources import Sources
-    from .tools import Tool
-    from .uploads import Uploads
-
-    folder = None if recordings is None else RecordingsFolder(recordings)
-    served = Api(answerer, Sources(Uploads(get_upload_folder()), folder))
-    return [Tool.of(function) for function in served.functions]
-
-
-HOST = "127.0.0.1"
-"""Where the page listens: on this machine only."""
 
 
 def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
@@ -114,30 +93,22 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     from starlette.middleware import Middleware
     from starlette.routing import Route
 
-    from .light_sessions import LightSessions
-    from .theme import STYLES, theme
+    from .sessions import LightSessions, keep_order
 
-    names = (*OWN_NAMES, HOST)
-    guards = [
-        Middleware(OwnNamesOnly, names=names),
-        Middleware(NoAddresses),
-        Middleware(MessageLimit),
-        Middleware(BusyStatus),
-    ]
-    served: dict[str, Any] = {"middleware": guards}
+    served: dict[str, Any] = {"middleware": [Middleware(guards.Guard)]}
     if mcp:
         require_mcp()
         agents = AgentServer(page.tools)
         served |= {"routes": [Route(f"/{PATH}", agents)], "lifespan": agents.lifespan}
-    page.queue(max_size=QUEUE)
-    keep_session_order(page._queue, MODEL_LINE)
-    keep_messages_counted(page._queue)
+    page.queue(max_size=guards.QUEUE)
+    keep_order(page._queue, MODEL_LINE)
+    guards.keep_messages_counted(page._queue)
     app, address, _ = page.launch(
         server_name=HOST,
         server_port=port,
         share=False,
-        max_file_size=UPLOAD_BYTES,
-        max_threads=2 * AT_ONCE,
+        max_file_size=guards.UPLOAD_BYTES,
+        max_threads=2 * guards.AT_ONCE,
         prevent_thread_lock=True,
         quiet=True,
         ssr_mode=False,
@@ -148,3 +119,40 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     )
     app.state_holder = LightSessions(page)
     return address
+
+
+def theme() -> Any:
+    """Return the page's theme, light and dark; nothing is fetched for it."""
+    gr = gradio()
+    base = gr.themes.Base(
+        primary_hue=gr.themes.colors.teal,
+        secondary_hue=gr.themes.colors.teal,
+        neutral_hue=gr.themes.colors.slate,
+        spacing_size=gr.themes.sizes.spacing_sm,
+        radius_size=gr.themes.sizes.radius_md,
+        text_size=gr.themes.sizes.text_md,
+        font=FONT,
+        font_mono=MONO,
+    )
+    return base.set(
+        body_background_fill="*neutral_50",
+        body_background_fill_dark="*neutral_950",
+        body_text_color_subdued="*neutral_600",
+        body_text_color_subdued_dark="*neutral_400",
+        block_label_text_color="*neutral_700",
+        block_label_text_color_dark="*neutral_300",
+        input_placeholder_color="*neutral_500",
+        input_placeholder_color_dark="*neutral_400",
+        # The toolkit's own links are too pale on white, and followed ones in the dark as well.
+        link_text_color="*secondary_700",
+        link_text_color_active="*secondary_700",
+        link_text_color_visited="*secondary_700",
+        link_text_color_visited_dark="*secondary_500",
+        # White letters on it have a contrast of 5.5.
+        button_primary_background_fill="*primary_700",
+        button_primary_background_fill_hover="*primary_800",
+        button_primary_background_fill_dark="*primary_700",
+        button_primary_background_fill_hover_dark="*primary_600",
+        button_primary_text_color="white",
+        button_primary_text_color_dark="white",
+    )

@@ -1,6 +1,6 @@
 """A headless Chromium driven through its debugging pipe; no driver package is needed.
 
-For tests, and for the measurements and pictures of the page.
+For tests, and for the pictures of the page in the documents.
 """
 
 from __future__ import annotations
@@ -39,8 +39,10 @@ UPLOADS = (
 )
 """How many uploads the page has ended."""
 
-UPLOADED_WITHIN_S = 20.0
-"""A file that the page refuses is not sent at all."""
+TEXT = "document.body.innerText"
+CHAT = "[...document.querySelectorAll('.chat')].find(one => one.offsetParent)"
+COMPLAINT = "[...document.querySelectorAll('.complaint')].find(one => one.offsetParent)"
+"""Parts of the tab that is seen; there is no complaint where it is empty."""
 
 
 class Browser:
@@ -59,7 +61,7 @@ class Browser:
         self._from_read, to_write = os.pipe()
         given = ["--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe"]
         given += [f"--user-data-dir={profile}", "--no-first-run", "--hide-scrollbars"]
-        given += [f"--window-size={size[0]},{size[1]}", "--disable-dev-shm-usage", "--incognito"]
+        given += [f"--window-size={size[0]},{size[1]}", "--disable-dev-shm-usage"]
         words = shlex.join([str(EXECUTABLE), *given, *flags, "about:blank"])
         command = f"exec 3<&{to_read} 4>&{to_write}; exec {words}"
         self._process = subprocess.Popen(
@@ -71,10 +73,22 @@ class Browser:
         os.close(to_read)
         os.close(to_write)
         self._received, self._number, self._session = b"", 0, None
-        targets = self.call("Target.getTargets")["targetInfos"]
-        page = next(one["targetId"] for one in targets if one["type"] == "page")
+        self._context: str | None = None
+        self.renew(size)
+
+    def renew(self, size: tuple[int, int] = (1400, 1100)) -> None:
+        """Close the page, and begin anew with an empty one that knows nothing of it."""
+        self._session = None
+        if self._context is not None:
+            self.call("Target.disposeBrowserContext", browserContextId=self._context)
+        self._context = self.call("Target.createBrowserContext")["browserContextId"]
+        page = self.call("Target.createTarget", url="about:blank", browserContextId=self._context)[
+            "targetId"
+        ]
         attached = self.call("Target.attachToTarget", targetId=page, flatten=True)
         self._session = attached["sessionId"]
+        metrics = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False}
+        self.call("Emulation.setDeviceMetricsOverride", **metrics)
         # A window that nobody looks at has no focus, and its fields would never be left.
         self.call("Emulation.setFocusEmulationEnabled", enabled=True)
 
@@ -145,8 +159,31 @@ class Browser:
             "box.dispatchEvent(new Event('input', {bubbles: true})); return true; })()"
         )
 
+    def ask(self, question: str) -> None:
+        """Ask a question and wait until it stands in the conversation with its answer."""
+        asked = f"{CHAT}.innerText.split({question!r}).length"
+        before = self.run(asked)
+        self.fill("Question", question)
+        self.click_until("Ask", f"{asked} > {before}", "button.primary")
+
+    def click_until(
+        self, text: str, sign: str, kind: str = "button", fields: dict[str, str] | None = None
+    ) -> None:
+        """Click until an expression is true: a click while another still works is passed over.
+
+        A field that was just laid out may forget what it was given: it is filled before each click.
+        """
+        until = time.monotonic() + 60
+        while not self.run(sign):
+            if time.monotonic() > until:
+                raise TimeoutError(f"{sign} was not true however often {text} was clicked")
+            for label, value in (fields or {}).items():
+                self.fill(label, value)
+            self.click(text, kind)
+            time.sleep(0.1)
+
     def upload(self, label: str, path: Path) -> None:
-        """Give a file to the visible upload field of a label, as a person who picks it."""
+        """Give a file to the visible upload field of a label, and wait until the page has it."""
         find = (
             "[...document.querySelectorAll('input[type=file]')].find(one => {"
             "let e = one; while (e && !e.offsetParent) e = e.parentElement;"
@@ -154,15 +191,12 @@ class Browser:
             "return e && e.querySelectorAll('input[type=file]').length == 1; })"
         )
         self.wait_for(f"Boolean({find})")
-        found = self.call("Runtime.evaluate", expression=find)["result"]["objectId"]
+        field = self.call("Runtime.evaluate", expression=find)["result"]["objectId"]
+        # The name is shown while the file is still on its way: a click would then find none.
         self.run("performance.setResourceTimingBufferSize(9999)")
         before = self.run(UPLOADS)
-        self.call("DOM.setFileInputFiles", files=[str(path)], objectId=found)
-        # The name is shown while the file is still on its way: a click would then find none.
-        until = time.monotonic() + UPLOADED_WITHIN_S
-        while self.run(UPLOADS) == before and time.monotonic() < until:
-            time.sleep(0.1)
-        time.sleep(0.3)
+        self.call("DOM.setFileInputFiles", files=[str(path)], objectId=field)
+        self.wait_for(f"{UPLOADS} > {before}", 20)
 
     def press(self, key: str, code: int, text: str = "") -> None:
         """Press and let go of a key, for whatever has the focus."""

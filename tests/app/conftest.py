@@ -1,65 +1,64 @@
 """The page served with a stand-in for the model, a browser at it, and recordings to give it."""
 
 import asyncio
-from contextlib import ExitStack
 
 import numpy as np
 import pytest
 
-from tests.app.agent_calls import clip
-from tests.app.fakes import FakeAnswerer
+from tests.app.fakes import FakeAnswerer, clip
 from tests.track.recordings import there_and_back
 from tests.track.test_idle_tracker import gel, touched
 
 
 @pytest.fixture(scope="module")
-def address():
+def fake():
+    return FakeAnswerer()
+
+
+@pytest.fixture(scope="module")
+def page(fake, tmp_path_factory):
+    """The page, served with a folder of its own for what is uploaded."""
+    pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
     from app import ui
 
-    page = ui.build(FakeAnswerer())
-    yield ui.launch(page)
-    page.close()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("GRADIO_TEMP_DIR", str(tmp_path_factory.mktemp("uploads")))
+        page = ui.build(fake)
+        page.address = ui.launch(page)
+        yield page
+        page.close()
 
 
-@pytest.fixture
-def new_browser(tmp_path_factory):
-    """Open a browser, of a size or with more flags; each is closed after the test."""
+@pytest.fixture(scope="module")
+def address(page):
+    return page.address
+
+
+@pytest.fixture(scope="module")
+def chromium(request, tmp_path_factory):
+    """One browser for all tests of a module, which may state FLAGS for it."""
     from tests.app.browser import EXECUTABLE, Browser
 
     if EXECUTABLE is None:
         pytest.skip("needs a Chromium (Debian: apt-get install chromium)")
-    with ExitStack() as opened:
-
-        def start(*size, flags=()):
-            browser = Browser(tmp_path_factory.mktemp("profile"), *size, flags=flags)
-            opened.callback(browser.close)
-            return browser
-
-        yield start
+    flags = getattr(request.module, "flags", lambda folder: ())(tmp_path_factory.mktemp("flags"))
+    browser = Browser(tmp_path_factory.mktemp("profile"), flags=flags)
+    yield browser
+    browser.close()
 
 
 @pytest.fixture
-def browser(request, new_browser, address):
-    """A browser at the page, as wide as a desk's unless a test gives another size."""
-    browser = new_browser(getattr(request, "param", (1400, 1100)))
-    browser.open(address)
-    return browser
+def empty(request, chromium):
+    """The browser with nothing open, as wide as a desk's unless a test gives another size."""
+    chromium.renew(getattr(request, "param", (1400, 1100)))
+    return chromium
 
 
 @pytest.fixture
-def camera_browser(new_browser, tmp_path):
-    """A browser whose camera shows white on the left, and no frame that is another."""
-    grey = np.full((480, 640), 16, np.uint8)
-    grey[:, :320] = 235
-    colour = np.full((2, 240, 320), 128, np.uint8)
-    with (tmp_path / "camera.y4m").open("wb") as video:
-        video.write(b"YUV4MPEG2 W640 H480 F25:1 Ip A1:1 C420jpeg\n")
-        for number in range(50):
-            grey[:32, :320] = 180 + number
-            video.write(b"FRAME\n" + grey.tobytes() + colour.tobytes())
-    flags = ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream"]
-    flags.append(f"--use-file-for-fake-video-capture={tmp_path / 'camera.y4m'}")
-    return new_browser(flags=flags)
+def browser(empty, address):
+    """The browser at the page."""
+    empty.open(address)
+    return empty
 
 
 @pytest.fixture
@@ -72,6 +71,19 @@ def recordings(tmp_path):
         frames[1:, 10:30, 10:30] += 20
         np.save(paths[name], frames)
     return paths
+
+
+@pytest.fixture(scope="session")
+def touch_frames():
+    """A gel that is touched after half a second of 25 frames a second."""
+    plain = gel()
+    return [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
+
+
+@pytest.fixture
+def touch_path(touch_frames, tmp_path):
+    np.savez(tmp_path / "touch.npz", frames=np.stack(touch_frames), fps=25.0)
+    return tmp_path / "touch.npz"
 
 
 @pytest.fixture

@@ -1,5 +1,6 @@
-"""A stand-in for the model that perceives at once and believes what the clip's grey level says."""
+"""A stand-in for the model that believes what a clip's grey level says; clips for it."""
 
+import base64
 from types import SimpleNamespace
 
 import numpy as np
@@ -84,3 +85,18 @@ def _belief(encoded):
     if level < 20:
         return believed("left", "clockwise", share=0.45)
     return believed("right" if level > 100 else "left", px=level / 10)
+
+
+CAP = "example:bottle_cap_clockwise"
+
+
+def clip(level):
+    """Return six frames of a grey level, in the last of which a square is brighter."""
+    frames = np.full((6, 48, 64, 3), level, np.uint8)
+    frames[3:, 20:30, 20:30] += 9
+    return frames
+
+
+def in_message(stored):
+    """Return a file as it travels inside a message."""
+    return "data:;base64," + base64.b64encode(stored).decode()

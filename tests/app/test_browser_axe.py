@@ -10,15 +10,17 @@ axe_core_python = pytest.importorskip("axe_core_python", reason="axe is in the e
 
 from tests.app.browser import STAGE  # noqa: E402
 
-TABS = ("Ask", "Compare", "Live", "Simulate", "Benchmark", "API")
+pytestmark = pytest.mark.slow
+
+TABS = ("Ask", "Compare", "Live", "Simulate")
 RUN = """;window.found = null; axe.run(document, {resultTypes: ['violations']}).then(told => {
     window.found = JSON.stringify(told.violations.map(
         one => [one.impact, one.id, one.nodes.map(node => node.html.slice(0, 200))]))}); 1"""
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_axe_finds_nothing_critical_or_serious(new_browser, address, theme):
-    browser = opened(new_browser, address, theme)
+def test_axe_finds_nothing_critical_or_serious(empty, address, theme):
+    browser = opened(empty, address, theme)
     for tab in TABS:
         browser.click(tab, "button[role=tab]")
         browser.wait_for(
@@ -28,10 +30,8 @@ def test_axe_finds_nothing_critical_or_serious(new_browser, address, theme):
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_nor_while_a_recording_is_watched_and_asked_about(
-    new_browser, address, theme, long_recording
-):
-    browser = opened(new_browser, address, theme)
+def test_nor_while_a_recording_is_watched_and_asked_about(empty, address, theme, long_recording):
+    browser = opened(empty, address, theme)
     browser.click("Live", "button[role=tab]")
     browser.upload("Recording", long_recording)
     browser.wait_for("document.body.innerText.includes('long')")
@@ -42,10 +42,9 @@ def test_nor_while_a_recording_is_watched_and_asked_about(
     assert browser.run(f"!{STAGE}.querySelector('[data-part=live]').hidden"), "it was over"
 
 
-def opened(new_browser, address, theme):
-    browser = new_browser((1400, 900))
-    browser.open(f"{address}?__theme={theme}")
-    return browser
+def opened(empty, address, theme):
+    empty.open(f"{address}?__theme={theme}")
+    return empty
 
 
 def found_by_axe(browser):

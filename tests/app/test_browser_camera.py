@@ -1,77 +1,32 @@
-"""The page in a real browser with a camera: what the camera shows arrives as it shows it."""
+"""The page in a real browser with a camera: what it shows arrives as it is, and leaves no files."""
+
+import os
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import live_tab, ui  # noqa: E402
-from tests.app.browser import STAGE  # noqa: E402
-from tests.app.fakes import FakeAnswerer  # noqa: E402
+from app import live_tab, sessions  # noqa: E402
+from tests.app.browser import NAME, SHOWN, STAGE, TEXT  # noqa: E402
+
+pytestmark = pytest.mark.slow
 
 
-def test_the_camera_is_not_mirrored():
-    page = ui.build(FakeAnswerer())
-    (camera,) = (one for one in page.blocks.values() if getattr(one, "streaming", False))
-    assert camera.sources == ["webcam"]
-    assert camera.get_config()["webcam_options"]["mirror"] is False
-
-
-def test_what_is_left_in_the_camera_is_left_for_the_model(camera_browser, monkeypatch):
-    browser = camera_browser
-    received, follow = [], live_tab.follow_camera
-
-    def followed(answerer, frame, *kept):
-        received.extend([] if frame is None else [frame])
-        return follow(answerer, frame, *kept)
-
-    monkeypatch.setattr(live_tab, "follow_camera", followed)
-    page = ui.build(FakeAnswerer())
-    try:
-        browser.open(ui.launch(page))
-        start_camera(browser)
-        browser.wait_for(f"/· [1-9][0-9] frames/.test({TEXT})", seconds=60)
-        shown = browser.run(COLUMNS)
-        assert shown[0] > 200 > 50 > shown[1]
-        assert not browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
-    finally:
-        page.close()
-    assert len(received) >= 10
-    for frame in received:
-        left, right = np.split(frame.mean(axis=(0, 2)), 2)
-        assert left.mean() > 200 > 50 > right.mean()
-
-
-def test_the_camera_is_turned_off_with_everything_and_can_be_started_again(camera_browser):
-    browser, page = camera_browser, ui.build(FakeAnswerer())
-    try:
-        browser.open(ui.launch(page))
-        for _ in range(2):
-            start_camera(browser)
-            browser.wait_for(f"/· [1-9][0-9]* frames/.test({TEXT})", seconds=60)
-            browser.run(f"window.tracks = {VIDEO}.srcObject.getTracks(); 1")
-            assert browser.run(f"{STATES} == 'live'")
-            browser.click("Stop and clear")
-            browser.wait_for(f"{STATES} == 'ended'", seconds=20)
-            browser.wait_for(f"{TEXT}.includes('Click to Access Webcam')", seconds=20)
-            assert not browser.run(f"Boolean({VIDEO} && {VIDEO}.srcObject)")
-    finally:
-        page.close()
-
-
-def test_a_camera_that_stalls_is_told(camera_browser):
-    browser, page = camera_browser, ui.build(FakeAnswerer())
-    try:
-        browser.open(ui.launch(page))
-        start_camera(browser)
-        browser.wait_for(f"/· [1-9][0-9]* frames/.test({TEXT})", seconds=60)
-        browser.run(f"{VIDEO}.pause()")  # the last picture is sent over and over
-        browser.wait_for(f"{TEXT}.includes('frames have been all the same for ')", seconds=30)
-        browser.run("HTMLCanvasElement.prototype.toDataURL = () => { throw new Error('none'); }; 1")
-        browser.wait_for(f"{TEXT}.includes('No picture has come for 3 s')", seconds=30)
-        assert browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
-    finally:
-        page.close()
+def flags(folder):
+    """A camera that shows white on the left, and no frame that is another."""
+    grey = np.full((480, 640), 16, np.uint8)
+    grey[:, :320] = 235
+    colour = np.full((2, 240, 320), 128, np.uint8)
+    with (folder / "camera.y4m").open("wb") as video:
+        video.write(b"YUV4MPEG2 W640 H480 F25:1 Ip A1:1 C420jpeg\n")
+        for number in range(50):
+            grey[:32, :320] = 180 + number
+            video.write(b"FRAME\n" + grey.tobytes() + colour.tobytes())
+    file = f"--use-file-for-fake-video-capture={folder / 'camera.y4m'}"
+    return ["--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream", file]
 
 
 VIDEO = "document.querySelector('.live-camera video')"
@@ -79,7 +34,6 @@ VIDEO = "document.querySelector('.live-camera video')"
 STATES = "String(window.tracks.map((one) => one.readyState))"
 """Of the camera's tracks, as they were before everything was stopped."""
 
-TEXT = "document.body.innerText"
 COLUMNS = (
     f"(() => {{ const seen = {STAGE}.querySelector('canvas'), at = (x) => seen.getContext('2d')"
     ".getImageData(x * seen.width, seen.height / 2, 1, 1).data[0]; return [at(0.25), at(0.9)]; })()"
@@ -92,3 +46,67 @@ def start_camera(browser):
     browser.click("Live", "button[role=tab]")
     browser.click("Click to Access Webcam")
     browser.click("Record")
+    browser.wait_for(f"/· [1-9][0-9]* frames/.test({TEXT})", seconds=60)
+
+
+def test_what_is_left_in_the_camera_is_left_for_the_model(browser, monkeypatch):
+    received, follow = [], live_tab.follow_camera
+
+    def followed(answerer, frame, *kept):
+        received.extend([] if frame is None else [frame])
+        return follow(answerer, frame, *kept)
+
+    monkeypatch.setattr(live_tab, "follow_camera", followed)
+    start_camera(browser)
+    browser.wait_for(f"/· [1-9][0-9] frames/.test({TEXT})", seconds=60)
+    shown = browser.run(COLUMNS)
+    assert shown[0] > 200 > 50 > shown[1]
+    assert not browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
+    assert len(received) >= 10
+    for frame in received:
+        left, right = np.split(frame.mean(axis=(0, 2)), 2)
+        assert left.mean() > 200 > 50 > right.mean()
+
+
+def test_the_camera_is_turned_off_with_everything_and_can_be_started_again(browser):
+    for _ in range(2):
+        start_camera(browser)
+        browser.run(f"window.tracks = {VIDEO}.srcObject.getTracks(); 1")
+        assert browser.run(f"{STATES} == 'live'")
+        browser.click("Stop and clear")
+        browser.wait_for(f"{STATES} == 'ended'", seconds=20)
+        browser.wait_for(f"{TEXT}.includes('Click to Access Webcam')", seconds=20)
+        assert not browser.run(f"Boolean({VIDEO} && {VIDEO}.srcObject)")
+
+
+def test_a_camera_that_stalls_is_told(browser):
+    start_camera(browser)
+    browser.run(f"{VIDEO}.pause()")  # the last picture is sent over and over
+    browser.wait_for(f"{TEXT}.includes('frames have been all the same for ')", seconds=30)
+    browser.run("HTMLCanvasElement.prototype.toDataURL = () => { throw new Error('none'); }; 1")
+    browser.wait_for(f"{TEXT}.includes('No picture has come for 3 s')", seconds=30)
+    assert browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
+
+
+def files_in(page):
+    folder = Path(page.GRADIO_CACHE)
+    return [Path(home) / name for home, _, names in os.walk(folder) for name in names]
+
+
+def test_an_upload_is_gone_when_its_page_was_closed(browser, page, recordings):
+    browser.upload("Recording", recordings["dark"])
+    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'")
+    assert [path.name for path in files_in(page)].count("dark.npy") == 1
+    browser.call("Page.navigate", url="about:blank")
+    until = time.monotonic() + 60
+    while any(path.name == "dark.npy" for path in files_in(page)):
+        assert time.monotonic() < until, "the upload is still there"
+        time.sleep(0.1)
+
+
+def test_live_pictures_do_not_pile_up(browser, page, monkeypatch):
+    monkeypatch.setattr(sessions, "SHOWN_S", 0.5)
+    before = len(files_in(page))
+    start_camera(browser)
+    browser.wait_for(f"/· [4-9][0-9] frames/.test({TEXT})", seconds=120)
+    assert len(files_in(page)) - before < 15

@@ -8,13 +8,12 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import ui  # noqa: E402
 from geotlm_lm import Session  # noqa: E402
 from geotlm_lm.answering import CAMERA  # noqa: E402
-from tests.app.browser import NAME, SHOWN  # noqa: E402
+from tests.app.browser import NAME, SHOWN, TEXT  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
-TEXT = "document.body.innerText"
+pytestmark = pytest.mark.slow
 
 
 class Echoing(FakeAnswerer):
@@ -58,13 +57,9 @@ def elsewhere():
     server.server_close()
 
 
-@pytest.fixture
-def page(new_browser):
-    answerer, browser = Echoing(), new_browser()
-    served = ui.build(answerer)
-    browser.open(ui.launch(served))
-    yield browser, answerer
-    served.close()
+@pytest.fixture(scope="module")
+def fake():
+    return Echoing()
 
 
 @pytest.mark.parametrize(
@@ -76,22 +71,22 @@ def page(new_browser):
     ],
     ids=["markdown", "html", "nested"],
 )
-def test_a_question_is_shown_as_it_was_typed(page, elsewhere, recordings, markup):
-    (browser, answerer), (site, asked) = page, elsewhere
-    answerer.asked = markup.format(site=site)
+def test_a_question_is_shown_as_it_was_typed(browser, fake, elsewhere, recordings, markup):
+    site, asked = elsewhere
+    fake.asked = markup.format(site=site)
     browser.upload("Recording", recordings["dark"])
     browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'", seconds=60)
     browser.click("Evidence", "button")
-    browser.fill("Question", answerer.asked)
+    browser.fill("Question", fake.asked)
     browser.click("Ask", "button.primary")
     for beginning in ("", "You said ", "Noted: "):
-        browser.wait_for(f"{TEXT}.includes({beginning + answerer.asked!r})", seconds=30)
+        browser.wait_for(f"{TEXT}.includes({beginning + fake.asked!r})", seconds=30)
     browser.click("Compare", "button[role=tab]")
     for label, name in (("First recording", "bright"), ("Second recording", "dark")):
         browser.upload(label, recordings[name])
         browser.wait_for(f"{TEXT}.includes('{name}')", seconds=30)
-    browser.click("Compare", "button.primary")
-    browser.wait_for(f"{TEXT}.split({'You said ' + answerer.asked!r}).length > 2", seconds=30)
+    twice = f"{TEXT}.split({'You said ' + fake.asked!r}).length > 2"
+    browser.click_until("Compare", twice, "button.primary")
     foreign = browser.run(
         "performance.getEntriesByType('resource').map(e => new URL(e.name)).filter("
         "u => u.protocol != 'data:' && u.host != location.host).map(u => u.href)"

@@ -1,30 +1,18 @@
-"""The stage in a real browser: it plays, is scrubbed by hand and by keys, and fits the screen."""
+"""The stage in a real browser: played and scrubbed by mouse, keys and fingers; it fits."""
 
 import shutil
-import time
 
-import numpy as np
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.browser import NAME, SHOWN  # noqa: E402
-from tests.app.test_browser import ask_until  # noqa: E402
-from tests.track.test_idle_tracker import gel, touched  # noqa: E402
+from tests.app.browser import COMPLAINT, NAME, SHOWN, STAGE, TEXT  # noqa: E402
 
-TEXT = "document.body.innerText"
+pytestmark = pytest.mark.slow
+
 FRAME = "document.querySelector('.stage [data-part=scrub]').valueAsNumber"
 CANVAS = "document.querySelector('.stage canvas').toDataURL()"
 PARTS = (".stage-screen", ".stage-time", ".chat", ".chips", ".question")
-
-
-@pytest.fixture(scope="module")
-def recording(tmp_path_factory):
-    """A recording whose gel is touched after half a second."""
-    plain, path = gel(), tmp_path_factory.mktemp("recording") / "touch.npz"
-    frames = [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
-    np.savez(path, frames=np.stack(frames), fps=25.0)
-    return path
 
 
 def box(browser, selector):
@@ -38,7 +26,7 @@ def click_at(browser, x, y):
         browser.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
 
-@pytest.mark.parametrize("browser", [(1400, 900)], indirect=True)
+@pytest.mark.parametrize("empty", [(1400, 900)], indirect=True)
 def test_an_example_plays_on_load_and_all_is_seen_without_scrolling(browser):
     assert browser.run(f"{NAME}.innerText") == "bottle cap"
     before = browser.run(FRAME)
@@ -49,7 +37,7 @@ def test_an_example_plays_on_load_and_all_is_seen_without_scrolling(browser):
     assert "clockwise" not in browser.run("document.querySelector('.examples').innerText")
 
 
-@pytest.mark.parametrize("browser", [(500, 844)], indirect=True)
+@pytest.mark.parametrize("empty", [(500, 844)], indirect=True)
 def test_on_a_phone_the_picture_comes_first_and_the_question_within_a_screen_and_a_half(browser):
     metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
     browser.call("Emulation.setDeviceMetricsOverride", **metrics)
@@ -72,8 +60,7 @@ def test_the_picture_is_played_and_scrubbed_by_keys(browser):
     assert browser.run(FRAME) == 2
     browser.press("ArrowLeft", 37)
     assert browser.run(FRAME) == 1
-    time.sleep(0.6)
-    assert browser.run(FRAME) == 1  # it stands
+    browser.wait_for("document.querySelector('.stage [data-part=play]').ariaLabel == 'Play'")
     browser.press(" ", 32)
     browser.wait_for(f"{FRAME} != 1")
 
@@ -88,8 +75,8 @@ def test_what_lies_over_the_picture_is_switched(browser):
     assert len(seen) == 4
 
 
-def test_a_click_on_the_timeline_shows_that_moment(browser, recording):
-    browser.upload("Recording", recording)
+def test_a_click_on_the_timeline_shows_that_moment(browser, touch_path):
+    browser.upload("Recording", touch_path)
     browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'touch.npz'")
     line = box(browser, ".stage-time svg")
     browser.run("document.querySelector('.stage [data-part=play]').click()")
@@ -104,20 +91,18 @@ def test_a_click_on_the_timeline_shows_that_moment(browser, recording):
     assert "When did it stop?" in browser.run("document.querySelector('.chips').innerText")
 
 
-def test_a_link_opens_its_example_and_asks_its_question(new_browser, address):
-    browser = new_browser((1400, 900))
-    browser.open(f"{address}?example=coin&q=Which%20way%20does%20it%20go%3F")
-    assert browser.run(f"{NAME}.innerText") == "coin"
-    browser.wait_for(f"{TEXT}.includes('It slides ')")
-    browser.click("Copy this as code", "button")
-    browser.wait_for(f"{TEXT}.includes('geotlm-lm answer --clip app/examples/coin_press.npz')")
+def test_a_link_opens_its_example_and_asks_its_question(empty, address):
+    empty.open(f"{address}?example=coin&q=Which%20way%20does%20it%20go%3F")
+    assert empty.run(f"{NAME}.innerText") == "coin"
+    empty.wait_for(f"{TEXT}.includes('It slides ')")
+    empty.click("Copy this as code", "button")
+    empty.wait_for(f"{TEXT}.includes('app/examples/coin_press.npz')")
 
 
-@pytest.mark.parametrize("name", ["no_such", "../../etc/passwd", "<img src=x>"])
-def test_a_link_to_what_is_no_example_opens_the_first_one(new_browser, address, name):
-    browser = new_browser((1400, 900))
-    browser.open(f"{address}?example={name}")
-    assert browser.run(f"{NAME}.innerText") == "bottle cap"
+def test_a_link_to_what_is_no_example_opens_the_first(empty, address):
+    for name in ("no_such", "../../etc/passwd", "<img src=x>"):
+        empty.open(f"{address}?example={name}")
+        assert empty.run(f"{NAME}.innerText") == "bottle cap"
 
 
 def test_a_recordings_name_is_shown_and_never_run(browser, recordings, tmp_path):
@@ -130,10 +115,76 @@ def test_a_recordings_name_is_shown_and_never_run(browser, recordings, tmp_path)
 
 
 def test_a_mistake_stands_beside_the_field_and_the_conversation_stays(browser):
-    browser.fill("Question", "Which way does it go?")
-    browser.click("Ask", "button.primary")
-    browser.wait_for(f"{TEXT}.includes('It slides ')")
-    ask_until(browser, "document.querySelector('.complaint').innerText.trim().length > 10", " ")
+    browser.ask("Which way does it go?")
+    browser.fill("Question", " ")
+    mistake = f"({COMPLAINT} || {{innerText: ''}}).innerText.trim().length > 10"
+    browser.click_until("Ask", mistake, "button.primary")
     assert "It slides " in browser.run("document.querySelector('.chat').innerText")
     below = box(browser, ".complaint")["top"] - box(browser, ".question")["bottom"]
     assert 0 <= below < 60
+
+
+@pytest.fixture
+def phone(empty, address):
+    """A browser as wide as a phone's that tells of fingers and not of a mouse."""
+    browser = empty
+    metrics = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
+    browser.call("Emulation.setDeviceMetricsOverride", **metrics)
+    browser.call("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=1)
+    browser.open(address)
+    assert browser.run("navigator.maxTouchPoints") == 1
+    return browser
+
+
+def touch(browser, *places):
+    """Put a finger down at the first place, move it over the others, and lift it."""
+    for kind, (x, y) in zip(["touchStart"] + ["touchMove"] * len(places), places, strict=False):
+        browser.call("Input.dispatchTouchEvent", type=kind, touchPoints=[{"x": x, "y": y}])
+    browser.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+
+def tap(browser, kind, text):
+    """Tap the middle of the first element that is seen of a kind and holds a text."""
+    find = (
+        f"[...document.querySelectorAll({kind!r})].find("
+        f"one => one.offsetParent && one.innerText.includes({text!r}))"
+    )
+    browser.wait_for(f"Boolean({find})")
+    browser.run(f"{find}.scrollIntoView({{block: 'center', inline: 'center'}})")
+    place = browser.run(f"{find}.getBoundingClientRect().toJSON()")
+    touch(browser, (place["x"] + place["width"] / 2, place["y"] + place["height"] / 2))
+
+
+def test_a_finger_opens_an_example_asks_and_scrubs(phone, touch_path):
+    tap(phone, "button.example", "bead")
+    phone.wait_for(f"{SHOWN} && {NAME}.innerText == 'bead'")
+    tap(phone, ".chips button", "Which way is it moving?")
+    phone.wait_for(f"{TEXT}.includes('% sure)')")
+    phone.upload("Recording", touch_path)
+    phone.wait_for(f"{SHOWN} && {NAME}.innerText == 'touch.npz'")
+    phone.run(f"{STAGE}.scrollIntoView(); {STAGE}.querySelector('[data-part=play]').click()")
+    line = box(phone, ".stage-time svg")
+    places = [line["left"] + 46 + share * (line["width"] - 56) for share in (0.2, 0.4, 0.6, 0.75)]
+    touch(phone, *((x, line["top"] + 60) for x in places))
+    assert phone.run(FRAME) == pytest.approx(0.75 * 39, abs=1)
+
+
+def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(browser, touch_path):
+    browser.upload("Recording", touch_path)
+    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'touch.npz'")
+    browser.click("Frame of reference", "button")
+    panel = f"{STAGE}.querySelector('.stage-time').textContent"
+    assert "travel in px" in browser.run(panel)
+    field = (
+        "[...document.querySelectorAll('label')].find(one => one.offsetParent && "
+        "one.innerText.startsWith('Millimetres')).querySelector('input')"
+    )
+    for size, unit in (("0.05", "mm"), ("0", "px")):
+        browser.run(f"{field}.focus()")
+        browser.fill("Millimetres per pixel", size)
+        browser.run(f"{field}.blur()")
+        browser.wait_for(f"{panel}.includes('travel in {unit}')", seconds=60)
+    browser.run(f"{field}.focus()")
+    browser.fill("Millimetres per pixel", "60")
+    browser.run(f"{field}.blur()")
+    browser.wait_for(f"{TEXT}.includes('A pixel of 60 mm was given, expected')", seconds=60)

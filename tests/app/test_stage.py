@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from app import stage
-from app.clip_loading import perceive
+from app.clips import load_clip, perceive
+from app.sources import EXAMPLES
 from geotlm_lm import FrameSpec, Units
 from geotlm_lm.core.clip import Clip
 from tests.app.fakes import FakeAnswerer
-from tests.track.test_idle_tracker import gel, touched
 
 
 def clip_of(count, rows=48, columns=64, fps=None):
@@ -22,11 +22,8 @@ def clip_of(count, rows=48, columns=64, fps=None):
 
 
 @pytest.fixture(scope="module")
-def tracked():
-    """A recording whose gel is touched after half a second, tracked."""
-    plain = gel()
-    frames = [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
-    return perceive(FakeAnswerer(), Clip(np.stack(frames), fps=25.0))
+def tracked(touch_frames):
+    return perceive(FakeAnswerer(), Clip(np.stack(touch_frames), fps=25.0))
 
 
 def decoded(address):
@@ -118,3 +115,13 @@ def test_arrows_lie_where_it_touches_and_have_a_scale():
     assert field["legend"]["text"] == "5 learned shear (no unit)"
     assert field["legend"]["length"] == pytest.approx(5 * 4 / 224)
     assert np.shape(overlays["contact"]["mask"]) == (14, 14)
+
+
+@pytest.mark.parametrize(
+    ("name", "has_arrows"), [("key_none", False), ("screw_head_down", True), ("bead_right", True)]
+)
+def test_arrows_are_drawn_of_what_touches_alone(answerer, name, has_arrows):
+    told = stage.stage_of(load_clip(answerer, str(EXAMPLES[f"example:{name}"])), name)
+    (field,) = told["overlays"]["fields"]
+    assert bool(field["ends"]) is has_arrows
+    assert bool(told["step"]["rows"]) is has_arrows

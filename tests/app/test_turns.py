@@ -1,13 +1,18 @@
-"""The model is handed on in the order it is asked for, and long work lets others in: no clock."""
+"""The model is loaded once and handed on in the order it is asked for; long work lets others in."""
 
+import subprocess
+import sys
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from threading import Thread
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from app.turns import AnswererInTurns, Turns
+from app.turns import AnswererInTurns, LazyAnswerer, Turns
+from geotlm_lm.core.errors import IncompatibleBundle
 from tests.app.fakes import FakeAnswerer
 from tests.track.recordings import there_and_back
 
@@ -103,7 +108,7 @@ def test_a_turn_is_given_back_when_the_work_fails():
 
 
 def test_who_waits_is_told_the_place_in_the_line(monkeypatch):
-    monkeypatch.setattr("app.turns.TOLD_EVERY_S", 0.001)
+    monkeypatch.setattr("app.turns.REPORTED_EVERY_S", 0.001)
     told = []
     turns = Turns(lambda *one: told.append(one))
     with turns.turn():
@@ -123,7 +128,7 @@ def failing(what, done, total):
 
 
 def test_who_cannot_be_told_the_place_leaves_the_line(monkeypatch):
-    monkeypatch.setattr("app.turns.TOLD_EVERY_S", 0.001)
+    monkeypatch.setattr("app.turns.REPORTED_EVERY_S", 0.001)
     turns, failed = Turns(failing), []
 
     def work():
@@ -139,7 +144,7 @@ def test_who_cannot_be_told_the_place_leaves_the_line(monkeypatch):
 
 
 def test_long_work_that_fails_in_line_gives_nobody_elses_turn_away(monkeypatch):
-    monkeypatch.setattr("app.turns.TOLD_EVERY_S", 0.001)
+    monkeypatch.setattr("app.turns.REPORTED_EVERY_S", 0.001)
     turns, has_failed, order = Turns(failing, slice_s=0.0), threading.Event(), []
 
     def work(name):
@@ -226,3 +231,43 @@ def test_a_conversation_and_a_camera_wait_for_their_turn_too():
         thread.join()
     assert len(done) == 2
     assert [turn.question for turn in session.history] == ["Which way does it go?"]
+
+
+def test_nothing_is_loaded_until_it_is_used_and_then_once_for_all():
+    loads = []
+
+    def slowly():
+        time.sleep(0.05)
+        loads.append(1)
+        return SimpleNamespace(name="model")
+
+    model = LazyAnswerer(slowly)
+    assert not loads
+    with ThreadPoolExecutor(8) as pool:
+        assert list(pool.map(lambda _: model.name, range(8))) == ["model"] * 8
+    assert len(loads) == 1
+
+
+def test_a_model_that_cannot_be_loaded_says_so_every_time():
+    tries = []
+
+    def fails():
+        tries.append(1)
+        raise IncompatibleBundle("this installation has no model bundle.")
+
+    model = LazyAnswerer(fails)
+    for _ in range(2):
+        with pytest.raises(IncompatibleBundle, match="no model bundle"):
+            _ = model.bundle
+    assert len(tries) == 2
+
+
+def test_the_page_is_built_without_the_models_libraries():
+    pytest.importorskip("gradio", reason="building the page needs gradio (extra: app)")
+    code = (
+        "import sys; from app.turns import LazyAnswerer; from app.ui import build; "
+        "build(LazyAnswerer(lambda: 1 / 0)); "
+        "print([name for name in ('torch', 'transformers') if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

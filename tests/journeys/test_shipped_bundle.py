@@ -1,25 +1,12 @@
 """The shipped model against truth: the simulator's fields, exact mirrors, real recordings."""
 
 from dataclasses import replace
-from itertools import combinations
 from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
 
-from app.facts import (
-    CLOCKWISE,
-    COUNTERCLOCKWISE,
-    MIRRORED,
-    OTHER_SIDE,
-    SENSOR_MOVES,
-    TURNS,
-    UPSIDE_DOWN,
-    fields_of,
-    sentences_of,
-)
-from geotlm_lm import FrameSpec
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.relief import Lights
@@ -36,7 +23,6 @@ from geotlm_lm.core.labels import (
     Motion,
 )
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
-from geotlm_lm.query.facts import with_facts
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
@@ -223,20 +209,3 @@ def test_it_would_write_what_is_generated_and_none_of_the_other_answers(answerer
         written = [one for one in options if speaker.would_write(token[0], question, one)]
         assert written == [one for one in options if one == said]
         assert question != QUESTION or written
-
-
-SINGLE = (MIRRORED, UPSIDE_DOWN, CLOCKWISE, COUNTERCLOCKWISE, OTHER_SIDE, SENSOR_MOVES)
-TOLD = [
-    list(some)
-    for count in range(1, len(SINGLE))
-    for some in combinations(SINGLE, count)
-    if len({*some} & {*TURNS}) < 2
-]
-
-
-@pytest.mark.parametrize("facts", TOLD)
-@pytest.mark.parametrize("question", ["Which way is it turning?", "Is it sliding left?"])
-def test_facts_as_the_page_states_them_are_understood_however_many(answerer, facts, question):
-    frame = FrameSpec(**fields_of(facts))
-    read = answerer.bundle.reader.read(" ".join([*sentences_of(frame), question]))
-    assert with_facts(FrameSpec(), read.query.facts, columns=224) == frame

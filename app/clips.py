@@ -1,0 +1,270 @@
+"""Recordings that are open: read and perceived once, and named as their owner knows them."""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import tempfile
+import time
+from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from pathlib import Path
+from threading import Lock
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm import (
+    CLIP_SUFFIXES,
+    IMAGE_SUFFIXES,
+    GeoTLMError,
+    Seen,
+    declared_bytes,
+    read_clip,
+    second_opinions,
+)
+
+from . import guards
+from .guards import KEPT_OPEN_BYTES, KEPT_OPEN_S
+from .sources import Sources
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
+
+Image = NDArray[np.uint8]
+
+SUFFIXES = sorted({*CLIP_SUFFIXES, *IMAGE_SUFFIXES})
+"""Endings of recordings, and of single frames, several of which are one."""
+
+ADVICE = {
+    "pass --layout THW": "save frames[..., None], or use the command line with --layout THW",
+    "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
+    "pass --layout": "use the command line with --layout",
+    "pass --square-pixels": "use the command line with --square-pixels",
+    "by --topic": "as `topic`, on the page under Frames and notes of the Ask tab",
+}
+"""Advice for a person at the command line, and for one at the page."""
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedClip:
+    """A clip that was read and perceived, ready for questions and pictures.
+
+    `session` is the conversation about it, which remembers its turns and its frame of reference.
+    """
+
+    encoded: Any
+    seen: Seen
+    session: Any
+
+    @cached_property
+    def opinions(self) -> dict[str, Any]:
+        """What the linear probe and optical flow read, as plain values; only where it is shown."""
+        return second_opinions(self.session.answerer, self.encoded).to_dict()
+
+
+def load_clip(
+    answerer: Answerer,
+    path: str | list[str] | None,
+    first: float | str | None = None,
+    last: float | str | None = None,
+    topic: str | None = None,
+) -> LoadedClip:
+    """Read the recording at `path`, and perceive or track it once.
+
+    Of its frames those from first to last are used, all where neither is given; of a bag the images
+    on one topic.
+
+    Raises:
+        GeoTLMError: If there is no recording, or it cannot be used, in one sentence.
+    """
+    if not path:
+        raise GeoTLMError("No recording was given; upload a clip first.")
+    return perceive(answerer, read_named(path, topic), span=span_of(first, last))
+
+
+def perceive(
+    answerer: Answerer,
+    recording: Any,
+    *,
+    span: tuple[int, int] | None = None,
+    track: Any = None,
+    depth_mm: NDArray[np.float32] | None = None,
+) -> LoadedClip:
+    """Perceive a clip, or its frames from first to last of `span`, once.
+
+    A track that was made before is used again; the true indentation of a simulated clip is kept.
+    """
+    encoded = answerer.encode(recording, span=span, track=track)
+    geometry = encoded.perception.geometry
+    field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
+    threshold = answerer.bundle.calibration.contact_threshold
+    has_contact = not encoded.is_untouched and encoded.contact_share >= threshold
+    frames, idle = encoded.clip.frames, encoded.clip.background
+    seen = Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
+    return LoadedClip(encoded, seen, answerer.session(encoded))
+
+
+def latest_upload(paths: list[str] | None) -> list[str]:
+    """Return the recording that was uploaded last, alone, or the images uploaded after it."""
+    given = list(paths or [])
+    recordings = [place for place, path in enumerate(given) if not _is_image(path)]
+    if not recordings:
+        return given
+    return given[recordings[-1] + 1 :] or given[-1:]
+
+
+def span_of(first: float | str | None, last: float | str | None) -> tuple[int, int] | None:
+    """Return the first and last frame; None where neither is given."""
+    ends = ["" if end is None else str(end).strip() for end in (first, last)]
+    if not any(ends):
+        return None
+    if not all(ends):
+        raise GeoTLMError("Only one end of the span was given; give both frame numbers or none.")
+    if not all(end.isdecimal() for end in ends):
+        raise GeoTLMError(
+            f"The span was {ends[0]} to {ends[1]}, expected two whole numbers; "
+            f"give the numbers of two frames, counted from 0, or leave both fields empty."
+        )
+    return int(ends[0]), int(ends[1])
+
+
+def read_named(path: str | list[str], topic: str | None = None) -> Any:
+    """Return the recording in one file, or in several images, named as its owner knows it.
+
+    Raises:
+        GeoTLMError: If it cannot be read, or others' recordings take the memory.
+    """
+    paths = [path] if isinstance(path, str) else list(path)
+    if len(paths) == 1:
+        path = Path(paths[0])
+        with without_folder(path.parent):
+            read = partial(read_clip, path, topic=topic)
+            return _renamed(guards.MEMORY.read(declared_bytes(path), read), path.name)
+    if not all(map(_is_image, paths)):
+        raise GeoTLMError("Several recordings were given; give one, or the images of one.")
+    with tempfile.TemporaryDirectory() as folder, without_folder(folder):
+        for image in paths:
+            shutil.copy(image, Path(folder) / Path(image).name)
+        read = partial(read_clip, folder)
+        return _renamed(guards.MEMORY.read(declared_bytes(Path(folder)), read), "the images")
+
+
+@contextmanager
+def without_folder(folder: str | Path) -> Iterator[None]:
+    """Leave a recording's folder out of the sentences about it: uploads lie in a temporary one."""
+    try:
+        yield
+    except GeoTLMError as error:
+        sentence = str(error).replace(f"{folder}/", "").replace(str(folder), "the images")
+        if sentence == str(error):
+            raise
+        raise type(error)(_advised(sentence)) from error
+
+
+def _renamed(clip: Any, name: str) -> Any:
+    return replace(clip, name=name, notes=tuple(map(_advised, clip.notes)))
+
+
+def _advised(sentence: str) -> str:
+    """Return a sentence with advice that can be followed without the command line."""
+    for advice, instead in ADVICE.items():
+        sentence = sentence.replace(advice, instead)
+    return sentence
+
+
+def _is_image(path: str) -> bool:
+    return Path(path).suffix.lower() in IMAGE_SUFFIXES
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A recording that tools were asked about: all its frames, perceived, and when that was."""
+
+    recording: Any
+    shown: LoadedClip
+    last_s: float
+
+
+class OpenedRecordings:
+    """Opens recordings once each, also for requests at the same time, and keeps the last ones."""
+
+    def __init__(self, answerer: Answerer, sources: Sources) -> None:
+        self._answerer, self._sources = answerer, sources
+        self._kept: OrderedDict[str, Opened] = OrderedDict()
+        self._opening: dict[str, Lock] = {}
+        self._lock = Lock()
+        guards.MEMORY.may_let_go(self)
+
+    def open(
+        self, given: str, frames: list[int] | None = None, topic: str | None = None
+    ) -> LoadedClip:
+        """Return a recording (a name, a data URI or an upload), or a span of it, for questions."""
+        whole = self.whole(given, topic)
+        if frames is None:
+            return whole.shown
+        track, span = whole.shown.encoded.track, (frames[0], frames[1])
+        return perceive(self._answerer, whole.recording, span=span, track=track)
+
+    def whole(self, given: str, topic: str | None = None) -> Opened:
+        """Return all of a recording."""
+        with self._sources.opened(given) as path:
+            key = _key(given, path, topic)
+            with self._lock:
+                opening = self._opening.setdefault(key, Lock())
+            try:
+                with opening:
+                    opened = self._kept_before(key)
+                    if opened is None:
+                        opened = self._read(given, path, topic)
+                    self._keep(key, opened)
+                    return opened
+            finally:
+                with self._lock:
+                    if not opening.locked():
+                        self._opening.pop(key, None)
+
+    def let_go(self) -> bool:
+        """Close the recording that was asked about longest ago; return whether one was open."""
+        with self._lock:
+            return bool(self._kept) and bool(self._kept.popitem(last=False))
+
+    def _read(self, given: str, path: Path, topic: str | None) -> Opened:
+        recording = read_named(str(path), topic)
+        if not (given.startswith("data:") or Path(given).is_absolute() or "://" in given):
+            recording = replace(recording, name=given)  # with its folders
+        shown = perceive(self._answerer, recording)
+        # Once tracked, its idle gel is known: a span need not look for it again.
+        if shown.encoded.recording is not None:
+            recording = shown.encoded.recording
+        return Opened(recording, shown, 0.0)
+
+    def _kept_before(self, key: str) -> Opened | None:
+        with self._lock:
+            oldest_s = time.monotonic() - KEPT_OPEN_S
+            for old in [old for old, opened in self._kept.items() if opened.last_s < oldest_s]:
+                del self._kept[old]
+            return self._kept.get(key)
+
+    def _keep(self, key: str, opened: Opened) -> None:
+        with self._lock:
+            self._kept[key] = replace(opened, last_s=time.monotonic())
+            self._kept.move_to_end(key)
+            sizes = {kept: open_.recording.frames.nbytes for kept, open_ in self._kept.items()}
+            while sum(sizes[kept] for kept in self._kept) > KEPT_OPEN_BYTES:
+                self._kept.popitem(last=False)
+
+
+def _key(given: str, path: Path, topic: str | None) -> str:
+    """Return what tells a recording from others, and from itself once it was changed."""
+    if given.startswith("data:"):
+        content = path.read_bytes()
+    else:
+        files = sorted(path.iterdir()) if path.is_dir() else [path]
+        states = [(str(file), file.stat().st_mtime_ns, file.stat().st_size) for file in files]
+        content = repr((str(path), states)).encode()
+    return repr((hashlib.sha256(content).hexdigest(), topic))

@@ -1,0 +1,360 @@
+"""What a visitor watches on the Live tab, and the conversation about it; knows no toolkit.
+
+A new picture arrives ten times a second, questions are asked meanwhile: what is watched is one
+object that both look at, and whatever sees that it is watched no more ends.
+"""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from geotlm_lm import (
+    Clip,
+    FrameSpec,
+    GeoTLMError,
+    StuckPicture,
+    Units,
+    camera_size,
+    change_map,
+    declared_bytes,
+    drawing_of,
+    is_streamed,
+    open_source,
+)
+
+from . import guards
+from .clips import Image, LoadedClip, perceive, without_folder
+from .conversation import OF_A_RECORDING, in_frame
+from .opening import Source
+from .stage import jpeg_address, timeline_of
+from .talking import Messages, Talking
+from .toolkit import COMPLAINT, Filled
+
+if TYPE_CHECKING:
+    from geotlm_lm import Answerer
+
+SHOWN_EVERY_S = 0.25
+"""Time between two pictures of a recording; the events come as they are found."""
+
+STARTED_S = 2.0
+"""Time without a frame of the camera after which the next one means that it was just started."""
+
+WINDOW_S, FIRST_WINDOW_S = 30.0, 6.0
+"""Time that the timeline shows while frames arrive, and has room for at first; once they end it
+shows all."""
+
+SIDE, QUALITY = 448, 75
+"""Longer side (pixels) and JPEG quality of what is shown."""
+
+IDLE_AGAIN_S = 5.0
+"""Time after which the idle gel is sent anew: it is followed as the light drifts."""
+
+NOTES_FROM_S = 3.0
+"""Time from which on what is amiss is shown: the idle gel is learnt before."""
+
+KEPT_BYTES = 32 * guards.MIB
+"""Of frames kept for questions, of each stream; of more every second one is dropped."""
+
+LEAST_FRAMES = 5
+"""Fewer are no recording: they would be taken for the four frames of a clip."""
+
+LEAST_KEPT = 3 * LEAST_FRAMES
+"""Frames that are kept however large they are: of half of them enough are settled."""
+
+WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
+
+UNASKED: Filled = {"chat": [], "last": None, "framed": "", COMPLAINT: ""}
+
+NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
+"""What is shown before anything was watched."""
+
+
+class LiveStream:
+    """Follows the frames of one camera or recording.
+
+    Args:
+        answerer: The model.
+        name: As the page calls it.
+        shape: Of each frame.
+        is_camera: Whether it goes on for as long as it likes.
+    """
+
+    def __init__(
+        self, answerer: Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
+    ) -> None:
+        guards.MEMORY.take(KEPT_BYTES).keep_with(self)
+        self.name, self.shape, self.is_camera = name, tuple(shape), is_camera
+        self.key, self.count, self.is_over = secrets.token_hex(4), 0, False
+        self._answerer, self._tracker = answerer, answerer.tracker()
+        self._kept: list[tuple[int, Image]] = []
+        self._apart, self._stuck = 1, StuckPicture()
+        self._now_s = self._idle_sent_s = -np.inf
+        self._shown: tuple[tuple[int, bool], LoadedClip] | None = None
+        self._talk: LoadedClip | None = None
+
+    def feed(self, frame: Image, time_s: float, number: int | None = None) -> list[Any]:
+        """Take in the next frame, as `Tracker.feed`, and return the events that are over."""
+        number = self.count if number is None else number
+        events = self._tracker.feed(frame, time_s, number)
+        if self.is_camera:
+            self._stuck.after(frame, time_s)
+        if self.count % self._apart == 0:
+            self._kept.append((number, frame))
+            if len(self._kept) > LEAST_KEPT and len(self._kept) * frame.nbytes > KEPT_BYTES:
+                self._kept, self._apart = self._kept[::2], 2 * self._apart
+        self.count += 1
+        self._now_s = time_s
+        return events
+
+    def finish(self) -> None:
+        """Take the last events as the end cuts them off; nothing is fed after that."""
+        self._tracker.finish()
+        self.is_over = True
+
+    def stage(self, frame: Image | None = None, mm_per_px: float | None = None) -> dict[str, Any]:
+        """Return what the stage shows now, as plain JSON values; it keeps the pictures before.
+
+        Args:
+            frame: The last one that was fed; None adds no picture.
+            mm_per_px: Size of a pixel; None gives travel in pixels.
+        """
+        track, units = self._tracker.so_far, Units(self.shape[:2], mm_per_px)
+        since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
+        drawing = drawing_of(track, units)
+        if not self.is_over:
+            drawing = drawing.up_to(self._now_s, self._tracker.way)
+        idle = self._tracker.idle
+        rows, columns = camera_size(*self.shape[:2])
+        window = [max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)]
+        if self.is_over:
+            window = [0.0, self._now_s or FIRST_WINDOW_S]  # of a single frame
+        shows_notes = self.is_over or self._now_s > NOTES_FROM_S
+        learnt = "idle gel learnt" if idle is not None else "learning the idle gel"
+        contact = {"corners": [[0, 0], [1, 1]], "told": "red: where the gel has changed"}
+        return {
+            "key": secrets.token_hex(4),
+            "stream": self.key,
+            "live": not self.is_over,
+            "name": self.name,
+            "about": f"{learnt} · {self.count} frames",
+            "aspect": columns / rows,
+            "unit": "s",
+            "loops": False,
+            "window": [round(end, 3) for end in window],
+            "timeline": timeline_of(drawing, "s", since_s),
+            "picture": None if frame is None else self._picture(frame, idle),
+            "idle": self._idle_to_send(idle),
+            "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],
+            "overlays": {"contact": contact, "fields": []},
+        }
+
+    def shown(self) -> LoadedClip:
+        """Return what was seen so far, ready for questions; the conversation goes on.
+
+        Raises:
+            GeoTLMError: If nothing was seen yet.
+        """
+        track = self._tracker.so_far
+        kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
+        if len(kept) < LEAST_FRAMES:
+            raise GeoTLMError(WATCH_FIRST)
+        seen = len(track), self.is_over  # its end cuts off the last events
+        before, talk = self._shown, self._talk
+        if before is not None and before[0] == seen:
+            return before[1]
+        numbers, frames = zip(*kept, strict=True)
+        span_s = float(track.times_s[-1] - track.times_s[0])
+        rate_hz = (int(track.numbers[-1]) - int(track.numbers[0])) / span_s
+        clip = Clip(np.stack(frames), rate_hz, self._tracker.idle, self.name, numbers)
+        grown = perceive(self._answerer, clip, track=track)
+        # Each question looks at other frames: of all of them the conversation keeps four.
+        encoded = replace(grown.encoded, recording=None)
+        if talk is None:
+            session = self._answerer.session(encoded)
+        else:
+            session = talk.session
+            session.grow(encoded)
+        grown = replace(grown, encoded=encoded, session=session)
+        self._shown, self._talk = (seen, grown), grown
+        return grown
+
+    def forget_talk(self) -> None:
+        """Begin the conversation anew with the next question."""
+        self._shown = self._talk = None
+
+    def _picture(self, frame: Image, idle: Image | None) -> dict[str, Any]:
+        return {
+            "at": round(self._now_s, 3),
+            "number": self.count - 1,
+            "image": jpeg_address(frame, SIDE, QUALITY),
+            "touched": None if idle is None else change_map(frame, idle).round(2).tolist(),
+        }
+
+    def _idle_to_send(self, idle: Image | None) -> str | None:
+        if idle is None or self._now_s - self._idle_sent_s < IDLE_AGAIN_S:
+            return None
+        self._idle_sent_s = self._now_s
+        return jpeg_address(idle, SIDE, QUALITY)
+
+
+@dataclass
+class LiveSession:
+    """What one visitor watches.
+
+    Args:
+        stream: That is watched; None before, and once everything was emptied.
+        camera_s: When the camera's last frame came, by the machine's clock.
+        began_s: When the first one of the stream came, likewise.
+        mm_per_px: Size of a pixel; None where it is not known.
+        shape: Of the frames that have pixels of this size.
+    """
+
+    stream: LiveStream | None = None
+    camera_s: float = float("-inf")
+    began_s: float = 0.0
+    mm_per_px: float | None = None
+    shape: tuple[int, ...] = ()
+
+    def begin(self, stream: LiveStream) -> Filled:
+        """Watch another stream, and return what the parts show of it at first."""
+        values: Filled = {"chips": list(OF_A_RECORDING)}
+        if self.shape not in ((), stream.shape):
+            self.mm_per_px, values["mm_per_px"] = None, 0  # it was stated of other pixels
+        self.stream, self.shape = stream, stream.shape
+        return values
+
+
+def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
+    """Yield what the parts show while a recording is watched to its end, or until another is.
+
+    Raises:
+        GeoTLMError: If there is no recording or it cannot be read.
+    """
+    if not path:
+        raise GeoTLMError("No recording was given; upload one first.")
+    live.stream = None
+    yield NOTHING  # the stream before is gone
+    # A video or a bag is decoded as it is watched, anything else is read whole before.
+    size_bytes = 0 if is_streamed(path) else 2 * declared_bytes(Path(path))
+    with guards.MEMORY.held(size_bytes), without_folder(Path(path).parent):
+        source = iter(open_source(path))
+        first = next(source)
+        stream = LiveStream(answerer, Path(path).name, first.image.shape)
+        yield live.begin(stream)
+        yield from _follow(stream, live, first, source)
+
+
+def _follow(
+    stream: LiveStream, live: LiveSession, frame: Any, source: Iterator[Any]
+) -> Iterator[Filled]:
+    shown_s = float("-inf")
+    while frame is not None and live.stream is stream:
+        events = stream.feed(frame.image, frame.time_s, frame.number)
+        last, frame = frame, next(source, None)
+        if live.stream is not stream:  # another is watched since
+            break
+        if frame is None:
+            stream.finish()
+        if events or frame is None or last.time_s - shown_s > SHOWN_EVERY_S:
+            shown_s = last.time_s
+            yield {"stage": stream.stage(last.image, live.mm_per_px)}
+    if live.stream is None:
+        yield NOTHING  # what was on its way when everything was emptied
+
+
+def stop(live: LiveSession, *_: Any) -> Iterator[Filled]:
+    """End the watching, forget what a camera showed so far, and show nothing."""
+    live.stream, live.camera_s = None, float("-inf")
+    yield NOTHING
+
+
+def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) -> Filled:
+    """Take in one camera frame and return what the parts show then, of those that change.
+
+    Frames of another size are another camera: it is followed from its own beginning, as is one
+    after everything was emptied. While a recording is watched only a camera that was just started
+    takes its place.
+
+    Args:
+        answerer: The model.
+        frame: uint8 RGB; None when the camera was stopped.
+        live: Of the visitor.
+    """
+    if frame is None:
+        return {}
+    now_s, before_s = time.monotonic(), live.camera_s
+    live.camera_s = now_s
+    stream, values = live.stream, {}
+    is_new = stream is None or (stream.is_camera and stream.shape != frame.shape)
+    if stream is not None and not stream.is_camera:
+        is_new = now_s - before_s > STARTED_S
+        if not is_new:
+            return {}
+    if is_new:
+        stream = LiveStream(answerer, "camera", frame.shape, is_camera=True)
+        live.began_s = now_s
+        values = UNASKED | live.begin(stream)
+    stream.feed(frame, now_s - live.began_s)
+    if live.stream is not stream:  # emptied meanwhile
+        return {}
+    return values | {"stage": stream.stage(frame, live.mm_per_px)}
+
+
+@dataclass
+class LiveTalk:
+    """Answers questions about what is watched, as far as it was seen when they are asked."""
+
+    answerer: Answerer
+
+    def ask(
+        self, question: str, chat: Messages, live: LiveSession, facts: list[str], *size: Any
+    ) -> Iterator[Filled]:
+        """As `Talking.ask`, unless something else is watched when the answer comes."""
+        return self._answers(live, "ask", (question, chat), (facts, *size))
+
+    def again(
+        self, chat: Messages, live: LiveSession, facts: list[str], *size: Any
+    ) -> Iterator[Filled]:
+        """As `Talking.again`, likewise."""
+        return self._answers(live, "again", (chat,), (facts, *size)) if chat else iter(())
+
+    def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
+        """Begin the conversation anew; the frame that the page shows still holds."""
+        if live.stream is not None:
+            live.stream.forget_talk()
+        chips = [] if live.stream is None else list(OF_A_RECORDING)
+        yield UNASKED | {"framed": in_frame(facts, None), "chips": chips}
+
+    def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:
+        """Tell lengths by another size of a pixel.
+
+        Raises:
+            GeoTLMError: If no camera has pixels of that size.
+        """
+        size = FrameSpec(mm_per_px=mm_per_px or None).mm_per_px
+        if size == live.mm_per_px:
+            return
+        live.mm_per_px = size
+        if live.stream is not None:
+            yield {"stage": live.stream.stage(mm_per_px=size)}
+
+    def _answers(self, live: LiveSession, method: str, asked: tuple, rest: tuple) -> Iterator:
+        if (stream := live.stream) is None:
+            raise GeoTLMError(WATCH_FIRST)
+
+        def redraw(shown: Any, _: Source) -> dict[str, Any]:
+            live.mm_per_px = shown.session.frame.mm_per_px
+            return stream.stage(mm_per_px=live.mm_per_px)
+
+        talking = Talking(self.answerer, redraw, beside=lambda *_: {})
+        source = Source(stream.name, stream.name)
+        for values in getattr(talking, method)(*asked, stream.shown(), source, *rest):
+            if live.stream is stream:
+                yield values

@@ -1,0 +1,288 @@
+"""What tools take and return, each stated once: types, bounds, descriptions; plain JSON values."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, NotRequired
+
+from pydantic import Field
+from typing_extensions import TypedDict  # of 3.11's own one no schema can be made
+
+from geotlm_lm import FrameSpec, Motion
+
+from .guards import NAME_CHARACTERS, QUESTION_CHARACTERS, ROWS, TOPIC_CHARACTERS
+
+RECORDING = (
+    "A name that the tool `recordings` lists, such as 'example:bottle_cap_clockwise'; or a short "
+    "recording itself as a data URI in base64, 'data:;base64,...'; or the path of an upload."
+)
+
+
+def _about(kind: Any, description: str, **bounds: Any) -> Any:
+    """Return the type of a parameter with its description and bounds."""
+    return Annotated[kind, Field(description=description, **bounds)]
+
+
+def bounded(low: float, high: float, description: str) -> Any:
+    """Return the type of a number between two bounds."""
+    return _about(float, description, ge=low, le=high)
+
+
+Recording = _about(str, RECORDING, min_length=1)
+Question = _about(
+    str,
+    "In plain English, about motion, contact, times or amounts.",
+    min_length=1,
+    max_length=QUESTION_CHARACTERS,
+)
+FrameNumber = Annotated[int, Field(ge=0, le=10**9)]
+Frames = _about(
+    list[FrameNumber] | None,
+    "First and last frame to use, counted from 0; leave it out for all.",
+    min_length=2,
+    max_length=2,
+)
+Topic = _about(
+    str | None,
+    "Of a ROS bag: the topic of the sensor's images, such as '/gelsight/image_raw'; leave it out "
+    "where only one has images.",
+    min_length=1,
+    max_length=TOPIC_CHARACTERS,
+)
+Mirrored = _about(bool, "The recorded image is flipped left to right.")
+Turned = _about(
+    Literal[0, 90, 180, 270], "Degrees by which the recorded image is turned clockwise."
+)
+Viewpoint = _about(
+    Literal["sensor", "object"],
+    "From where directions are told: out of the sensor, or from the object.",
+)
+Actor = _about(Literal["object", "sensor"], "Whose motion is told: the object's, or the sensor's.")
+Thread = _about(Literal["right", "left"] | None, "Handedness of a thread, if it has one.")
+ContactSide = _about(
+    Literal["head", "shank", "side"] | None,
+    "Which side of a screw or cap touches the gel, if known.",
+)
+MmPerPx = _about(
+    float | None,
+    "Millimetres of gel that a pixel is wide; travel is told in pixels without.",
+    ge=0.001,
+    le=2.0,
+)
+Rows = _about(
+    int, "Frames of which contact and motion are told, evenly spread; 0 for none.", ge=0, le=ROWS
+)
+Picture = _about(
+    Literal["overlay", "raw", "difference", "contact", "timeline"],
+    "The four frames that were looked at, with the learned shear drawn in (overlay), as recorded, "
+    "against the idle gel, or with the contact mask; or turn, travel, contact and events of the "
+    "whole track over time (timeline).",
+)
+ObjectName = _about(
+    str, 'A shape, for example "key", "coin", "hex_nut".', max_length=NAME_CHARACTERS
+)
+DepthMm = bounded(-1.0, 1.5, "Approach beyond first touch, half-way, mm; 0 or less: no contact.")
+TwistDeg = bounded(-60.0, 60.0, "Turn in degrees, positive clockwise in the image.")
+SlideXMm = bounded(-5.0, 5.0, "Travel to the right, mm.")
+SlideYMm = bounded(-5.0, 5.0, "Travel down the image, mm.")
+PressMm = bounded(-2.0, 2.0, "Approach into the gel from first to last frame, mm; negative lifts.")
+ThicknessMm = bounded(1.0, 6.0, "Of the gel, mm.")
+Seed = _about(int, "Of the noise.", ge=0, le=2**31 - 1)
+
+
+def frame_of(
+    mirrored: bool = False,
+    turned: int = 0,
+    viewpoint: Any = "sensor",
+    actor: Any = "object",
+    thread: Any = None,
+    contact_side: Any = None,
+    mm_per_px: float | None = None,
+) -> FrameSpec:
+    """Return the frame of reference that a tool's facts stand for."""
+    return FrameSpec(
+        image_mirrored=mirrored,
+        viewpoint=viewpoint,
+        actor=actor,
+        thread=thread,
+        contact_side=contact_side,
+        mm_per_px=mm_per_px,
+        **FrameSpec.fields_of_turn(turned),
+    )
+
+
+class Evidence(TypedDict):
+    """The geometry an answer rests on; x runs right, y down, shear changes are unitless.
+
+    The contact's middle is in pixels of the recording, `view` in those of a 224-pixel image.
+    """
+
+    contact_share: float
+    contact_centre_px: list[float] | None
+    view: dict[str, float] | None
+    regions: dict[str, dict[str, float]]
+
+
+class EvidenceFields(Evidence):
+    """The evidence, the fields it was pooled from (a number a patch of the view), and others' view.
+
+    `shear_change` is 14 x 14 x 2, `contact_mask` 14 x 14, rows first.
+    """
+
+    shear_change: list[list[list[float]]]
+    contact_mask: list[list[float]]
+    frames_used: list[int]
+    second_opinions: dict[str, Any]
+
+
+class Amount(TypedDict):
+    """How far or how fast, and the span it lies in nine times in ten, in `unit`."""
+
+    value: float
+    unit: str
+    low: float
+    high: float
+
+
+class AnswerResult(TypedDict):
+    """An answer, its probability, the frame it is told in, and what it rests on."""
+
+    text: str
+    direction: Motion | None
+    decided: str | None
+    amount: Amount | None
+    motion: dict[str, Any] | None
+    confidence: float
+    abstained: bool
+    told_by: Literal["model", "rule"]
+    frame: dict[str, Any]
+    options: dict[str, float]
+    timing_ms: dict[str, float]
+    kind: str
+    query: str
+    understood: float
+    evidence: Evidence
+    frames_used: list[int]
+    notes: list[str]
+
+
+class ComparisonResult(TypedDict):
+    """How two clips relate, and the answer about each."""
+
+    text: str
+    relation: Literal["same", "opposite", "different", "unknown"]
+    decided: str | None
+    confidence: float
+    abstained: bool
+    first: dict[str, Any]
+    second: dict[str, Any]
+
+
+class SimulatedAnswer(TypedDict):
+    """A simulated touch: the answers, the truth, and the error of the amounts that were read."""
+
+    answer: str
+    how_far: str
+    direction: Motion | None
+    confidence: float
+    true_motion: Motion
+    true_ways: list[Motion]
+    counts: dict[str, bool | None]
+    is_visible: dict[str, bool]
+    is_right: bool
+    true: dict[str, float]
+    read: dict[str, float]
+    error: dict[str, float]
+    timing_ms: dict[str, float]
+
+
+class StoredRecording(TypedDict):
+    """A recording that can be named; `kind` is its ending, or "images" for a folder of them."""
+
+    name: str
+    kind: str
+    size_bytes: int
+
+
+class Listing(TypedDict):
+    """The recordings that can be named; `has_more` tells that the folder holds others as well."""
+
+    recordings: list[StoredRecording]
+    examples: list[str]
+    is_folder_served: bool
+    has_more: bool
+
+
+class Measured(TypedDict):
+    """An amount and the span it lies in nine times in ten, in `unit`."""
+
+    amount: float
+    low: float
+    high: float
+    unit: str
+
+
+class TrackEvent(TypedDict):
+    """What happened from `begin` to `end`, in frame numbers and seconds, and how probable it is.
+
+    `way` is that of a turn or a slide, as the frame tells it; a touch and a rest have no amount.
+    """
+
+    event: str
+    way: str | None
+    begin: int
+    end: int
+    begin_s: float
+    end_s: float
+    amount: NotRequired[float]
+    low: NotRequired[float]
+    high: NotRequired[float]
+    unit: NotRequired[str]
+    probability: float
+
+
+class Totals(TypedDict):
+    """What a track comes to: net is from first to last frame, in all is there and back.
+
+    A net turn is positive clockwise, travel right and down, as the frame tells them.
+    """
+
+    frames: int
+    seconds: float
+    touched_s: float
+    turn_net: Measured
+    turn_in_all: Measured
+    turned_back: int
+    slide_net: Measured
+    slide_right: float
+    slide_down: float
+    slide_in_all: Measured
+
+
+class TrackResult(TypedDict):
+    """What happened in a recording, when, which way and how far.
+
+    `times_are_known` is false where nothing tells the frame rate: seconds are then of 25 a second.
+    `rows` are frames evenly spread, each with contact, motion since the first one and deviations.
+    """
+
+    recording: str
+    frame: str
+    first_frame: int
+    last_frame: int
+    times_are_known: bool
+    contacts_s: list[list[float]]
+    events: list[TrackEvent]
+    events_left_out: int
+    totals: Totals
+    rows: list[dict[str, float]]
+    notes: list[str]
+
+
+class PictureResult(TypedDict):
+    """What a picture shows, and itself in base64; agents get it as a picture beside this."""
+
+    shows: str
+    mime_type: Literal["image/png"]
+    width_px: int
+    height_px: int
+    png_base64: NotRequired[str]

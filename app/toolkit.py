@@ -1,0 +1,141 @@
+"""What the tabs share of the toolkit: parts filled by name, errors beside the field, plain text."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from geotlm_lm import GeoTLMError
+from geotlm_lm.core.errors import MissingDependency
+
+from .guards import AT_ONCE
+from .turns import LISTENER
+
+
+def gradio() -> Any:
+    """Return the toolkit, imported only now: the package works without it."""
+    try:
+        import gradio as gr
+    except ImportError as error:
+        raise MissingDependency(
+            "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`."
+        ) from error
+    return gr
+
+
+PRIVATE = {"api_visibility": "private"}
+"""Options of every event of the page: programs have tools of their own."""
+
+MODEL_LINE = "model"
+
+MODEL = {"concurrency_limit": AT_ONCE, "concurrency_id": MODEL_LINE}
+"""Options of what uses the model: requests are worked on at once and take turns at it (`turns`);
+those of one visitor wait for each other (`sessions.keep_order`)."""
+
+CAMERA = {"concurrency_limit": AT_ONCE, "concurrency_id": "camera"}
+"""Options of what watches, for as long as it likes: its visitor's questions do not wait for it."""
+
+QUIET = {**PRIVATE, "show_progress": "hidden"}
+"""Options of an event whose parts show by themselves that they are being filled."""
+
+
+def model_at(*parts: Any) -> dict[str, Any]:
+    """Return the options of an event that uses the model, and is seen to run at these parts."""
+    return {**PRIVATE, "show_progress_on": list(parts), **MODEL}
+
+
+def report_progress(what: str, done: int, total: int) -> None:
+    """Show how far a request is where its results will stand, or to the client that listens."""
+    if (listener := LISTENER.get()) is not None:
+        listener(what, done, total)
+    else:
+        gradio().Progress()((done, total), desc=what)
+
+
+COMPLAINT = "complaint"
+"""Name of the part that shows an error; emptied by whatever works."""
+
+Filled = dict[str, Any]
+"""New values of some parts by their names; the others stay."""
+
+
+def complaint() -> Any:
+    """Return the component that shows an error, empty; screen readers read it out."""
+    return html("", '<p role="alert">${value}</p>', "complaint")
+
+
+def html(value: Any, template: str, name: str, script: str | None = None) -> Any:
+    """Return a component of the page's own.
+
+    Args:
+        value: That it shows first.
+        template: Of HTML.
+        name: Its class in the style sheet, and its script in `parts.js` unless one is given.
+        script: Of JavaScript, run when it is laid out.
+    """
+    if script is None:
+        script = f"{Path(__file__).with_name('parts.js').read_text('utf-8')}\nparts.{name}();"
+    return gradio().HTML(
+        value,
+        html_template=template,
+        css_template="",
+        js_on_load=script,
+        apply_default_css=False,
+        elem_classes=[name],
+    )
+
+
+def filling(
+    parts: Mapping[str, Any], function: Callable[..., Iterator[Filled]], takes: Any = None
+) -> Callable[..., Iterator[dict[Any, Any]]]:
+    """Return a handler of the toolkit that fills parts with what a function yields for their names.
+
+    Args:
+        parts: The page's, by name.
+        function: Yields new values by name; its errors are shown in the complaint.
+        takes: Class of the toolkit that the function's last argument is of: what is known of a
+            click or of the visit. None where there is none.
+    """
+
+    def fill(*given: Any) -> Iterator[dict[Any, Any]]:
+        values: Filled | None = None
+        # Emptied once: what runs on for long must not take away another error.
+        emptied: Filled = {COMPLAINT: ""}
+        try:
+            for values in function(*given):
+                yield {parts[name]: value for name, value in (emptied | values).items()}
+                emptied = {}
+        except GeoTLMError as error:
+            # A recording's name is part of the sentence, and anybody may have chosen it.
+            yield {parts[COMPLAINT]: escape(str(error), quote=False)}
+            return
+        if values is None:  # of what yields nothing the toolkit would empty every part
+            yield {parts[COMPLAINT]: ""}
+
+    if takes is None:
+        return fill
+
+    # First: after the others, which are as many as the page gives, it would not be found.
+    def fill_with(about: Any, *given: Any) -> Iterator[dict[Any, Any]]:
+        yield from fill(*given, about)
+
+    # Postponed annotations are text, and the toolkit looks for the class itself.
+    fill_with.__annotations__["about"] = takes
+    return fill_with
+
+
+MARKUP = re.compile(r"[!-,./:-@\[-`{-~]")
+"""All that may mean anything else than itself in Markdown, HTML or a formula: punctuation, without
+the dash that begins an entry of a list."""
+
+
+def literal(text: str) -> str:
+    """Return a text as Markdown that shows it as it is; lines that begin with a dash are a list.
+
+    Words may hold what a person typed, or what somebody called a file: shown as markup, a picture
+    in them would be fetched from its site, and a link would lead there.
+    """
+    return MARKUP.sub(r"\\\g<0>", text)

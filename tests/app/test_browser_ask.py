@@ -1,0 +1,208 @@
+"""The page in a real browser: every tab is used as a person does, mistakes are made."""
+
+import time
+
+import pytest
+
+pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
+
+from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+
+pytestmark = pytest.mark.slow
+
+TOLD = f"({STAGE}.querySelector('.stage-time').getAttribute('aria-label') || '')"
+CHECKED = "[...document.querySelectorAll('input[type=checkbox]:checked')].map(box => box.name)"
+NONE_OPEN = f"{TEXT}.includes('No recording is open; upload a clip first.')"
+
+
+def shown(name):
+    return f"{SHOWN} && {NAME}.innerText == {name!r}"
+
+
+def value_of(label):
+    return (
+        f"[...document.querySelectorAll('label')].find(e => e.innerText.startsWith({label!r}))"
+        ".querySelector('input, textarea').value"
+    )
+
+
+@pytest.mark.parametrize("empty", [(1400, 1100), (390, 844)], indirect=True)
+def test_an_example_is_one_click_and_a_question_one_more(browser):
+    browser.open_example("bead")
+    browser.click("Which way is it moving?", ".chips button")
+    browser.wait_for(f"{TEXT}.includes('% sure)')")
+    browser.click("Evidence", "button")
+    browser.wait_for(f"{TEXT}.includes('optical flow')")
+    wide = browser.run("document.documentElement.scrollWidth <= window.innerWidth + 1")
+    assert wide, "the page is wider than the window"
+    browser.open_example("cable")
+    browser.wait_for(f"!{TEXT}.includes('% sure)') && !{TEXT}.includes('no direction is claimed')")
+
+
+def test_a_recording_that_fails_closes_the_one_before(browser, recordings, tmp_path):
+    (tmp_path / "broken.npy").write_bytes(b"no recording")
+    browser.upload("Recording", recordings["dark"])
+    browser.wait_for(shown("dark.npy"))
+    browser.ask("Which way?")
+    browser.wait_for(f"{TEXT}.includes('slides left, ')")
+    browser.upload("Recording", tmp_path / "broken.npy")
+    browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('slides left, ')")
+    browser.fill("Question", "Which way?")
+    browser.click_until("Ask", NONE_OPEN, "button.primary")
+    browser.upload("Recording", recordings["bright"])  # beside the one that failed
+    browser.wait_for(shown("bright.npy"))
+    browser.wait_for(f"{TEXT}.includes('bright') && !{TEXT}.includes('dark')")
+    assert not {word for word in ("tmp", "Traceback") if word in browser.run(TEXT)}
+    browser.run("document.querySelector('button[aria-label=\"Clear\"]').click()")
+    browser.wait_for(NOTHING_SHOWN)
+
+
+def test_a_fact_stated_in_the_chat_is_checked_in_the_page_and_holds_from_then_on(browser):
+    browser.click("Frame of reference", "button")
+    browser.ask("I look from the object's side.")
+    browser.wait_for(f"{CHECKED}.includes('seen from the object')")
+    browser.ask("Which way?")
+    browser.wait_for(f"{TEXT}.includes('In this frame (camera image, seen from the object')")
+    browser.wait_for(f"{TEXT}.includes('seen from the object\\'s side.')")
+
+
+def test_an_image_is_turned_one_way_or_the_other(browser):
+    browser.click("Frame of reference", "button")
+    for way, back in (("counterclockwise", "clockwise"), ("clockwise", "counterclockwise")) * 2:
+        box = f"image is turned 90° {way}"
+        browser.run(f"document.querySelector('input[name=\"{box}\"]').click()")
+        browser.wait_for(f"{CHECKED}.join() == {box!r}")
+        browser.wait_for(f"{TEXT}.includes('turned back by 90 degrees {back}')")
+
+
+def test_a_conversation_that_is_cleared_is_forgotten(browser):
+    browser.click("Evidence", "button")
+    browser.ask("Which way?")
+    browser.wait_for(f"{TEXT}.includes('% sure)') && {TEXT}.includes('Pixels are those of the')")
+    browser.run("document.querySelector('button[aria-label=\"Clear\"]').click()")
+    browser.wait_for(f"!{TEXT}.includes('% sure)') && !{TEXT}.includes('Pixels are those of the')")
+    browser.wait_for(f"!{TEXT}.includes('optical flow')")
+    browser.wait_for(f"{TEXT}.includes('Ask how the touched object moves')")
+
+
+def test_a_recording_is_uploaded_and_asked_about_by_keyboard_alone(browser, recordings):
+    browser.upload("Recording", recordings["dark"])
+    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'")
+    browser.fill("Question", "Which way does it go?")
+    browser.run(
+        "[...document.querySelectorAll('label')].find(e => e.offsetParent && "
+        "e.innerText.trim().startsWith('Question')).querySelector('textarea, input').focus()"
+    )
+    browser.press("Enter", 13, "\r")
+    browser.wait_for(f"{TEXT}.includes('It slides left, ')")
+
+
+def test_the_last_question_is_asked_again_in_its_old_place(browser, fake, monkeypatch):
+    browser.ask("Which way?")
+    browser.wait_for(f"{TEXT}.includes('It slides ')")
+    monkeypatch.setitem(fake.bundle.reader.lines, "Which way?", "kind")
+    browser.click_until("Retry", f"{TEXT}.includes('A slide')")
+    browser.wait_for(f"!{TEXT}.includes('It slides ')")
+    assert browser.run(f"{TEXT}.split('Which way?').length") == 2
+
+
+def test_the_size_of_a_pixel_is_given_said_and_shown(browser, recordings):
+    size = value_of("Millimetres")
+    browser.click("Frame of reference", "button")
+    browser.ask("Which way?")
+    browser.wait_for(f"/It slides .* px, /.test({TEXT})")
+    browser.fill("Millimetres per pixel", "0.06")
+    browser.ask("Which way?")
+    browser.wait_for(f"/It slides .* mm[,.]/.test({TEXT})")
+    browser.ask("0.05 mm per pixel. Which way?")
+    browser.wait_for(f"{size} == '0.05'")
+    browser.fill("Millimetres per pixel", "60")
+    browser.fill("Question", "Which way?")
+    refused = f"{TEXT}.includes('A pixel of 60 mm was given, expected')"
+    browser.click_until("Ask", refused, "button.primary")
+    browser.upload("Recording", recordings["bright"])  # its frames are of another size
+    browser.wait_for(f"{size} == '0'")
+
+
+def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, recordings):
+    browser.upload("Recording", recordings["dark"])
+    browser.wait_for(shown("dark.npy"))
+    browser.open_example("cable")
+    browser.wait_for(f"!{TEXT}.includes('dark')")
+    browser.click("Frames and notes")
+    refused = f"{TEXT}.includes('The span was 0 to 1.5, expected two whole numbers')"
+    span = {"First frame": "0", "Last frame": "1.5"}
+    browser.click_until("Read again with these", f"{refused} && {NOTHING_SHOWN}", fields=span)
+    read = f"{TEXT}.includes('Frames 0, 1, 2, 3 are shown.')"
+    browser.click_until("Read again with these", read, fields=span | {"Last frame": "3"})
+    browser.upload("Recording", recordings["bright"])
+    browser.wait_for(shown("bright.npy"))
+    browser.wait_for(f"{value_of('First frame')} == '' && {value_of('Last frame')} == ''")
+
+
+def test_a_comparison_is_emptied_with_its_recordings(browser, recordings, tmp_path):
+    (tmp_path / "broken.npy").write_bytes(b"no recording")
+    browser.click("Compare", "button[role=tab]")
+    for label, name in (("First recording", "bright"), ("Second recording", "dark")):
+        browser.upload(label, recordings[name])
+        browser.wait_for(f"{TEXT}.includes('{name}')")
+    compared = f"{TEXT}.includes('slides left, ') && {TEXT}.includes('No: the first')"
+    browser.click_until("Compare", compared, "button.primary")
+    clear = "[...document.querySelectorAll('button[aria-label=\"Clear\"]')]"
+    browser.run(f"{clear}.filter(e => e.offsetParent).at(-1).click()")
+    browser.wait_for(f"!{TEXT}.includes('slides left, ') && !{TEXT}.includes('No: the first')")
+    assert "slides right, " in browser.run(TEXT)
+    browser.upload("Second recording", tmp_path / "broken.npy")
+    browser.wait_for(f"{TEXT}.includes('broken')")
+    browser.click_until(
+        "Compare",
+        f"{TEXT}.includes('broken.npy: is cut off or is no numpy file')",
+        "button.primary",
+    )
+    browser.wait_for(f"!{TEXT}.includes('slides right, ')")
+
+
+def test_a_touch_is_simulated_and_asked_about(browser):
+    browser.click("Simulate", "button[role=tab]")
+    browser.click("Simulate and ask", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('(wrong: it was clockwise and right)')")
+    browser.wait_for(SHOWN)
+    for layer in ("Arrows", "True motion", "Depth"):
+        browser.click(layer, ".stage-layers button")
+    browser.fill("Seed", "99999999999")  # beyond the greatest
+    browser.click("Simulate and ask", "button.primary")
+    browser.wait_for(f"{NOTHING_SHOWN} && {TEXT}.includes('seed is')", seconds=30)
+    assert "(wrong: it was clockwise and right)" not in browser.run(TEXT)
+
+
+def test_a_recording_is_watched(browser, touch_path):
+    browser.click("Live", "button[role=tab]")
+    browser.click("Watch", "button.primary")
+    browser.wait_for(f"{TEXT}.includes('No recording was given; upload one first.')")
+    browser.upload("Recording", touch_path)
+    browser.wait_for(f"{TEXT}.includes('touch')")
+    watched = f"{TEXT}.includes('idle gel learnt · 40 frames')"
+    browser.click_until("Watch", watched, "button.primary")
+    browser.wait_for(f"{TOLD}.includes('stick')")
+    browser.click("When did it stop?", ".chips button")
+    browser.wait_for(f"{CHAT}.innerText.includes('neither turns nor slides')")
+    browser.click("Stop and clear")
+    browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('idle gel learnt')")
+    browser.wait_for(f"!{CHAT}.innerText.includes('neither turns nor slides')")
+
+
+def test_a_recording_that_is_watched_no_longer_leaves_the_stage_empty(
+    browser, page, long_recording
+):
+    browser.click("Live", "button[role=tab]")
+    browser.upload("Recording", long_recording)
+    browser.wait_for(f"{TEXT}.includes('long')")
+    browser.click_until("Watch", f"{TOLD}.includes('release')", "button.primary")
+    browser.click("Stop and clear")
+    browser.wait_for(NOTHING_SHOWN)
+    until = time.monotonic() + 60
+    while any(page._queue.active_jobs):  # what was on its way comes before its end
+        assert time.monotonic() < until
+        time.sleep(0.05)
+    assert browser.run(NOTHING_SHOWN)
+    assert "idle gel learnt" not in browser.run(TEXT)

@@ -1,0 +1,112 @@
+"""What was given is opened alone, by whole frame numbers, and told by its own name."""
+
+import cv2
+import numpy as np
+import pytest
+
+from app.clips import latest_upload, load_clip
+from geotlm_lm import GeoTLMError
+from tests.app.fakes import FakeAnswerer
+
+
+class Refusing(FakeAnswerer):
+    """Refuses every recording by its name, as a model does that can see nothing in it."""
+
+    def encode(self, clip, *, span=None, track=None):
+        raise GeoTLMError(f"{clip.name}: 100% of frame 0 is black.")
+
+
+@pytest.fixture
+def path(tmp_path):
+    np.save(tmp_path / "clip.npy", np.full((6, 48, 64, 3), 90, np.uint8))
+    return str(tmp_path / "clip.npy")
+
+
+@pytest.mark.parametrize(
+    ("given", "opened"),
+    [
+        (None, []),
+        (["a.npy"], ["a.npy"]),
+        (["a.npy", "b.MP4"], ["b.MP4"]),
+        (["1.png", "2.PNG"], ["1.png", "2.PNG"]),
+        (["1.png", "2.png", "a.npy"], ["a.npy"]),
+        (["a.npy", "1.png", "2.png"], ["1.png", "2.png"]),
+    ],
+)
+def test_of_several_recordings_the_last_is_opened(given, opened):
+    assert latest_upload(given) == opened
+
+
+def test_several_recordings_are_refused_in_a_sentence(path):
+    with pytest.raises(
+        GeoTLMError, match="^Several recordings were given; give one, or the images of one.$"
+    ):
+        load_clip(FakeAnswerer(), [path, path])
+
+
+def test_a_recording_refused_while_it_is_perceived_is_told_by_its_own_name(path):
+    with pytest.raises(GeoTLMError, match="^clip.npy: 100% of frame 0 is black.$"):
+        load_clip(Refusing(), path)
+
+
+def test_images_that_cannot_be_read_are_told_by_their_own_names(tmp_path):
+    paths = [str(tmp_path / f"{number}.png") for number in range(2)]
+    for one in paths:
+        (tmp_path / one).write_bytes(b"no image")
+    with pytest.raises(GeoTLMError, match="^0.png: "):
+        load_clip(FakeAnswerer(), paths)
+
+
+@pytest.mark.parametrize("first_and_last", [(0, None), (None, 3), ("0", ""), ("", "3")])
+def test_half_a_span_is_refused(path, first_and_last):
+    with pytest.raises(GeoTLMError, match="^Only one end of the span was given"):
+        load_clip(FakeAnswerer(), path, *first_and_last)
+
+
+@pytest.mark.parametrize("first_and_last", [(0, 1.5), ("0", "1.5"), ("-1", "3"), ("one", "3")])
+def test_a_span_of_no_whole_numbers_is_refused(path, first_and_last):
+    with pytest.raises(GeoTLMError, match="^The span was .* to .*, expected two whole numbers; "):
+        load_clip(FakeAnswerer(), path, *first_and_last)
+
+
+@pytest.mark.parametrize("first_and_last", [(0, 3), (" 0", "3 ")])
+def test_a_span_of_whole_numbers_is_used(path, first_and_last):
+    shown = load_clip(FakeAnswerer(), path, *first_and_last)
+    assert list(shown.encoded.clip.frame_numbers) == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("shape", "advice"),
+    [
+        ((6, 48, 64), "if these are grey frames save frames[..., None], or use the command line"),
+        ((6, 48), "or, on the command line with --layout THW, (T,H,W); save the frames"),
+    ],
+)
+def test_grey_frames_are_told_what_can_be_done_in_the_page(tmp_path, shape, advice):
+    np.save(tmp_path / "grey.npy", np.full(shape, 90, np.uint8))
+    with pytest.raises(GeoTLMError) as caught:
+        load_clip(FakeAnswerer(), str(tmp_path / "grey.npy"))
+    assert str(caught.value).startswith("grey.npy: ")
+    assert advice in str(caught.value)
+    assert "pass --layout" not in str(caught.value)
+
+
+def test_of_a_bag_with_two_cameras_one_is_opened_by_its_topic(bag):
+    advice = "give it as `topic`, on the page under Frames and notes of the Ask tab"
+    with pytest.raises(GeoTLMError, match=f"on 2 topics.*{advice}[.]$"):
+        load_clip(FakeAnswerer(), str(bag))
+    assert load_clip(FakeAnswerer(), str(bag), topic="/left").encoded.clip.recorded_frames == 6
+
+
+def test_several_images_are_one_recording(tmp_path):
+    paths = []
+    for number in range(4):
+        paths.append(str(tmp_path / f"{number}.png"))
+        cv2.imwrite(paths[-1], np.full((40, 50, 3), 40 * number, np.uint8))
+    clip = load_clip(FakeAnswerer(), paths).encoded.clip
+    assert [int(frame.mean()) for frame in clip.frames] == [0, 40, 80, 120]
+
+
+def test_nothing_uploaded_is_refused():
+    with pytest.raises(GeoTLMError, match="^No recording was given; upload a clip first.$"):
+        load_clip(FakeAnswerer(), None)

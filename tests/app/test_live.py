@@ -1,0 +1,207 @@
+"""What is watched on the Live tab: as the command tracks it, each visitor by itself."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app import live
+from app.live import NOTHING, LiveSession, LiveTalk, follow_camera, stop, watch_recording
+from geotlm_lm import GeoTLMError
+from tests.app.fakes import READ, FakeAnswerer
+from tests.track.recordings import there_and_back
+
+
+@pytest.fixture
+def frames(touch_frames):
+    return touch_frames
+
+
+@pytest.fixture
+def clock(monkeypatch):
+    """The camera's: 0.04 s go by from frame to frame."""
+    ticks = iter(1e6 + 0.04 * number for number in range(1000))
+    monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: next(ticks)))
+
+
+@pytest.fixture
+def path(touch_path):
+    return str(touch_path)
+
+
+def stages(steps):
+    return [step["stage"] for step in steps if step.get("stage")]
+
+
+def followed(frames, watched):
+    """Return what is told of each frame of a camera."""
+    told = [follow_camera(FakeAnswerer(), one, watched) for one in frames]
+    return [step for step in told if step]
+
+
+def test_a_recording_is_watched_to_its_end(tmp_path):
+    clip = there_and_back()
+    np.savez(tmp_path / "clip.npz", frames=clip.frames, fps=clip.fps)
+    told = stages(watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"), LiveSession()))
+    last, events = told[-1], told[-1]["timeline"]["events"]
+    (turn,) = (one for one in events if one["name"] == "turn clockwise")
+    assert (turn["begin"], turn["end"]) == pytest.approx((1.0, 1.8), abs=0.25)
+    assert float(turn["far"].split("°")[0]) == pytest.approx(30, rel=0.25)
+    assert (events[0]["kind"], last["live"], last["window"]) == ("touch", False, [0.0, 4.16])
+    assert last["about"] == "idle gel learnt · 105 frames"
+    assert {one["stream"] for one in told} == {last["stream"]}
+    counts = [len(one["timeline"]["events"]) for one in told]
+    assert any(0 < count < len(events) for count in counts)  # events come as they are over
+    ends = [one["timeline"]["x"][-1] for one in told]
+    assert ends == sorted(ends)
+    assert all(one["live"] and one["picture"]["image"] for one in told[:-1])
+
+
+def test_the_window_grows_and_then_rolls(frames, monkeypatch, clock):
+    monkeypatch.setattr(live, "WINDOW_S", 0.8)
+    monkeypatch.setattr(live, "FIRST_WINDOW_S", 0.4)
+    told = [one["timeline"]["x"] for one in stages(followed(frames, LiveSession()))]
+    assert told[5][0] == 0
+    assert told[-1][0] == pytest.approx(39 * 0.04 - 0.8, abs=0.05)
+    windows = [one["window"] for one in stages(followed(frames[:30], LiveSession()))]
+    assert windows[0] == [0.0, 0.4]
+    assert windows[-1] == pytest.approx([29 * 0.04 - 0.8, 29 * 0.04])
+
+
+def test_a_picture_shows_where_the_gel_has_changed(frames, clock):
+    told = stages(followed(frames, LiveSession()))
+    assert told[0]["picture"]["touched"] is None  # the idle gel is not known yet
+    assert told[0]["idle"] is None
+    assert sum(one["idle"] is not None for one in told) == 1
+    assert np.max(told[10]["picture"]["touched"]) == 0
+    assert np.max(told[-1]["picture"]["touched"]) == 1
+
+
+def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=np.stack(frames[:4]), fps=25.0)
+    told = stages(watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"), LiveSession()))
+    assert told[-1]["timeline"]["events"] == []
+    assert "No untouched gel was seen" in told[-1]["notes"][0]
+
+
+def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
+    one, other = LiveSession(), LiveSession()
+    followed(frames[:6], one)
+    (told,) = stages(followed(frames[:1], other))
+    assert (one.stream.count, other.stream.count) == (6, 1)
+    assert told["about"] == "learning the idle gel · 1 frames"
+
+
+def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
+    watched = LiveSession(mm_per_px=0.05)
+    followed(frames[:1], watched)
+    (step,) = followed([frames[1][:60, :80]], watched)
+    assert (watched.stream.count, watched.mm_per_px, step["mm_per_px"]) == (1, None, 0)
+
+
+def test_a_camera_that_goes_on_does_not_take_the_place_of_a_recording(frames, path, monkeypatch):
+    clock = [0.0]
+    monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    watched = LiveSession()
+    followed(frames[:2], watched)
+    list(watch_recording(FakeAnswerer(), path, watched))
+    assert followed(frames[:1], watched) == []
+    clock[0] += 3  # it was stopped, and started again
+    assert len(followed(frames[:1], watched)) == 1
+
+
+def test_watching_nothing_is_told():
+    with pytest.raises(GeoTLMError, match="^No recording was given; upload one first.$"):
+        next(watch_recording(FakeAnswerer(), None, LiveSession()))
+
+
+def test_a_recording_that_fails_is_told_by_its_own_name_and_nothing_stays_of_the_one_before(
+    tmp_path,
+):
+    (tmp_path / "broken.npy").write_bytes(b"no recording")
+    steps = watch_recording(FakeAnswerer(), str(tmp_path / "broken.npy"), LiveSession())
+    assert next(steps) == NOTHING
+    with pytest.raises(GeoTLMError, match="^broken.npy: "):
+        next(steps)
+
+
+def test_watching_ends_with_nothing_left_once_everything_was_emptied(path):
+    watched = LiveSession()
+    steps = watch_recording(FakeAnswerer(), path, watched)
+    while not next(steps).get("stage"):
+        pass
+    assert list(stop(watched)) == [NOTHING]
+    assert list(steps) == [NOTHING]
+
+
+def test_a_camera_is_followed_anew_after_everything_was_emptied(frames):
+    watched = LiveSession()
+    followed(frames[:3], watched)
+    list(stop(watched))
+    followed(frames[3:4], watched)
+    assert watched.stream.count == 1
+
+
+def answers(watched, question, facts=(), mm_per_px=0):
+    talk = LiveTalk(FakeAnswerer())
+    return list(talk.ask(question, [], watched, list(facts), mm_per_px))
+
+
+def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
+    frames, clock, monkeypatch
+):
+    monkeypatch.setitem(READ, "Which way does it go?", "way")
+    watched = LiveSession()
+    with pytest.raises(GeoTLMError, match="^Nothing was watched yet; start the camera or a rec"):
+        answers(watched, "Which way does it go?")
+    followed(frames[:30], watched)
+    assert answers(watched, "Which way does it go?")[-1]["chat"][-1]["role"] == "assistant"
+    session = watched.stream.shown().session
+    assert session.encoded.recording is None
+    followed(frames[30:], watched)
+    told = answers(watched, "Are you sure?")[-1]
+    assert watched.stream.shown().session is session
+    assert len(session.history) == 2
+    assert "stage" not in told
+    list(LiveTalk(FakeAnswerer()).forget(watched, []))
+    assert watched.stream.shown().session is not session
+
+
+def test_a_pixels_size_is_told_of_all_that_is_watched(frames, clock):
+    watched = LiveSession()
+    followed(frames, watched)
+    told = answers(watched, "0.05 mm per pixel. Which way?")[-1]
+    assert told["stage"]["timeline"]["panels"][1]["unit"] == "mm"
+    assert told["mm_per_px"] == watched.mm_per_px == 0.05
+    (told,) = LiveTalk(FakeAnswerer()).resize(watched, 0)
+    assert told["stage"]["timeline"]["panels"][1]["unit"] == "px"
+    with pytest.raises(GeoTLMError, match="^A pixel of 60 mm was given"):
+        list(LiveTalk(FakeAnswerer()).resize(watched, 60))
+
+
+def test_frames_that_are_kept_for_questions_are_bounded(frames, monkeypatch, clock):
+    monkeypatch.setattr(live, "KEPT_BYTES", 20 * frames[0].nbytes)
+    watched = LiveSession()
+    followed(frames, watched)
+    numbers = watched.stream.shown().encoded.clip.frame_numbers
+    assert max(numbers) < 40
+    assert len(watched.stream._kept) <= 20
+
+
+def test_of_frames_however_large_enough_are_kept_for_a_question(frames, monkeypatch, clock):
+    monkeypatch.setattr(live, "KEPT_BYTES", 0)
+    watched = LiveSession()
+    for count in range(25, 41):
+        followed(frames[watched.stream.count if watched.stream else 0 : count], watched)
+        assert watched.stream.shown().encoded.track is not None
+    assert len(watched.stream._kept) <= live.LEAST_KEPT
+
+
+def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, monkeypatch):
+    monkeypatch.setitem(READ, "Which way does it go?", "way")
+    watched, talk = LiveSession(), LiveTalk(FakeAnswerer())
+    followed(frames, watched)
+    session = watched.stream.shown().session
+    ask = session.ask
+    session.ask = lambda question: (list(stop(watched)), ask(question))[1]
+    assert list(talk.ask("Which way does it go?", [], watched, [], 0)) == []

@@ -1,0 +1,103 @@
+"""The examples are what their README says; what is open is saved by the browser."""
+
+import base64
+import csv
+import io
+import json
+import re
+import shlex
+from pathlib import Path
+from urllib.parse import parse_qs
+
+import numpy as np
+import pytest
+
+from app.clips import perceive
+from app.opening import FIRST, Source, examples, offered, saved
+from app.sources import EXAMPLE_FOLDER as FOLDER
+from geotlm_lm import GeoTLMError, Motion, read_clip
+from geotlm_lm.cli.main import main
+from tests.app.fakes import FakeAnswerer
+from tests.app.test_stage import clip_of, tracked  # noqa: F401
+
+CLIPS = sorted(FOLDER.glob("*.npz"))
+COMMANDS = re.findall(r"^geotlm-lm (.*)$", (FOLDER / "README.md").read_text(), re.MULTILINE)
+
+
+def test_every_clip_on_offer_has_its_command():
+    named = sorted(Path(shlex.split(command)[1]).name for command in COMMANDS)
+    assert named == [path.name for path in CLIPS]
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_clip_is_what_its_command_makes(tmp_path, command):
+    words = shlex.split(command)
+    name, words[1] = Path(words[1]).name, str(tmp_path / "clip.npz")
+    with pytest.raises(SystemExit) as stopped:
+        main(words)
+    assert stopped.value.code == 0
+    made, kept = read_clip(words[1]), read_clip(FOLDER / name)
+    # Another processor may round a few pixels differently.
+    assert np.abs(made.frames.astype(int) - kept.frames).mean() < 0.05
+    assert np.abs(made.background.astype(int) - kept.background).mean() < 0.05
+    assert made.notes == kept.notes
+
+
+def test_a_clips_name_tells_its_object_and_motion_and_the_page_names_the_object_alone():
+    for path in CLIPS:
+        label = json.loads(str(np.load(path)["label"]))
+        assert path.stem == f"{label['object']}_{label['motion']}"
+    for key, example in examples().items():
+        words = set(example.name.split()) | set(key.split("_"))
+        assert not words & {motion.value for motion in Motion}
+    assert next(iter(examples())) == FIRST
+    assert [key for key in examples() if key.startswith("key")] == ["key", "key_2"]
+
+
+def content(file):
+    return base64.b64decode(file["content"])
+
+
+@pytest.fixture
+def talked():
+    answerer = FakeAnswerer()
+    answerer.bundle.reader.lines["Which & way?"] = "way"
+    shown = perceive(answerer, clip_of(4))
+    shown.session.ask("Which & way?")
+    return shown
+
+
+def test_only_what_there_is_can_be_saved(tracked, talked):  # noqa: F811
+    assert offered(None, None) == {"kinds": []}
+    assert offered(tracked, None)["kinds"] == ["track.csv", "track.json", "track.png"]
+    assert offered(talked, "cap")["kinds"] == ["talk.txt", "talk.json", "link"]
+    with pytest.raises(GeoTLMError, match="^There is nothing of this kind to save; open a"):
+        saved("track.csv", talked, Source("", "cap"))
+
+
+def test_the_track_is_saved_frame_by_frame(tracked):  # noqa: F811
+    file = saved("track.csv", tracked, Source("", "my key.npz"))
+    assert (file["name"], file["mime"]) == ("my_key_track.csv", "text/csv")
+    rows = list(csv.DictReader(io.StringIO(content(file).decode())))
+    assert len(rows) == 40
+    assert float(rows[25]["time_s"]) == 1.0
+    told = json.loads(content(saved("track.json", tracked, Source("", "my key.npz"))))
+    assert told["made_by"]["recording"] == "my key.npz"
+    assert len(told["events"]) == len(tracked.encoded.track.events)
+
+
+def test_the_timeline_is_saved_as_a_picture(tracked):  # noqa: F811
+    pytest.importorskip("matplotlib", reason="the plot needs matplotlib (extra: track)")
+    assert content(saved("track.png", tracked, Source("", "key"))).startswith(b"\x89PNG")
+
+
+def test_the_conversation_is_saved_in_words_and_whole(talked):
+    (turn,) = json.loads(content(saved("talk.json", talked, Source("", "cap"))))
+    assert turn["question"] == "Which & way?"
+    said = content(saved("talk.txt", talked, Source("", "cap"))).decode()
+    assert said == f"Which & way?\n{turn['answer']['text']}\n"
+
+
+def test_a_link_names_the_example_and_the_last_question(talked):
+    link = saved("link", talked, Source("", "cap", "bottle_cap"))["link"]
+    assert parse_qs(link.removeprefix("?")) == {"example": ["bottle_cap"], "q": ["Which & way?"]}

@@ -1,0 +1,112 @@
+"""The Simulate tab's function: truth beside reading, and the error between them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.simulate_tab import OBJECTS, sentence_of, simulate, touch_of
+from app.stage import field_of
+from geotlm_lm import GeoTLMError, Touch, simulate_touch
+from geotlm_lm.core.geometry import IMAGE_SIDE
+from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+from tests.app.fakes import FakeAnswerer
+
+
+@pytest.fixture(scope="module")
+def made():
+    return simulate(FakeAnswerer(), Touch("key", slide_x_mm=1.0, seed=1))
+
+
+def test_the_truth_is_what_was_asked_for(made):
+    true = made.facts["true"]
+    assert true["rotation_deg"] == 0
+    assert true["slide_x_px"] == pytest.approx(IMAGE_SIDE / 20.3, abs=0.01)
+    assert (made.facts["true_motion"], made.facts["true_ways"]) == ("right", ["right"])
+    assert made.shown.seen.depth_mm.shape[0] == 4
+
+
+def test_a_slide_down_is_told_in_the_pixels_of_the_squashed_picture():
+    true = simulate(FakeAnswerer(), Touch("key", slide_y_mm=-1.0, seed=1)).facts["true"]
+    # The view is as high as three quarters of its width, and squashed to a square.
+    assert true["slide_y_px"] == pytest.approx(-IMAGE_SIDE / 15.2, abs=0.01)
+    assert true["slide_x_px"] == 0
+
+
+def test_all_components_of_a_touch_are_true_at_once_and_each_is_a_right_answer():
+    touch = Touch("key", twist_deg=20.0, slide_x_mm=-0.8, press_mm=0.1, seed=1)
+    facts = simulate(FakeAnswerer(), touch).facts  # the fake answers "left"
+    assert facts["true"]["rotation_deg"] == pytest.approx(20, abs=0.01)
+    assert facts["true"]["slide_x_px"] == pytest.approx(-0.8 * IMAGE_SIDE / 20.3, abs=0.2)
+    assert facts["true"]["press_mm"] == pytest.approx(0.1)
+    assert facts["true_motion"] == "clockwise"
+    assert facts["true_ways"] == ["clockwise", "left"]
+    assert facts["counts"] == {"turn": True, "slide": True, "press": None}
+    assert facts["is_right"]
+    assert not simulate(FakeAnswerer(), replace(touch, slide_x_mm=0.0)).facts["is_right"]
+
+
+def test_both_which_way_and_how_far_are_answered():
+    facts = simulate(FakeAnswerer(), Touch("key", slide_x_mm=1.0, seed=1)).facts
+    assert facts["answer"].startswith("It slides left, about ")
+    assert facts["how_far"].startswith("About ")
+
+
+def test_the_error_is_the_reading_less_the_truth(made):
+    read, true, error = (made.facts[name] for name in ("read", "true", "error"))
+    assert error["slide_x_px"] == pytest.approx(read["slide_x_px"] - true["slide_x_px"], abs=0.02)
+    assert read["slide_x_px"] == pytest.approx(made.shown.encoded.belief.mean.right_px, abs=0.01)
+
+
+def test_the_true_field_goes_to_the_right_wherever_it_touches_in_the_end(made):
+    truth = simulate_touch(Touch("key", slide_x_mm=1.0, seed=1))
+    right = (truth.contact[-1] > 0)[..., None] * np.float32([IMAGE_SIDE / 20.3, 0])
+    assert made.truth.shear_change == pytest.approx(right, abs=0.01)
+    assert np.array_equal(made.truth.mask, truth.contact.mean(axis=0))
+    field = field_of(made.truth, "truth", "true motion", "cyan")
+    tails, tips = np.array(field["ends"]).transpose(1, 0, 2)
+    assert np.ptp(tips[:, 0] - tails[:, 0]) < 1e-3 or (tips[:, 0] >= tails[:, 0]).all()
+    assert field["legend"] == {"length": pytest.approx(20 / 224), "text": "20 px of displacement"}
+
+
+def test_the_shapes_on_offer_are_the_everyday_ones():
+    assert set(OBJECTS) == set(EVERYDAY_OBJECTS)
+
+
+def test_a_touch_is_made_of_numbers():
+    assert touch_of("key", {"depth_mm": 1}, 2.0) == Touch("key", depth_mm=1.0, seed=2)
+
+
+@pytest.mark.parametrize(
+    ("name", "depth", "seed", "sentence"),
+    [
+        ("key", 0.6, None, "seed was left empty; give a number."),
+        ("key", 0.6, "", "seed was left empty; give a number."),
+        ("key", 0.6, 1.5, "seed is 1.5, expected a whole number from 0."),
+        ("key", 0.6, float("nan"), "seed is nan, expected a whole number from 0."),
+        ("key", None, 0, "depth_mm was left empty; give a number."),
+        ("key", "deep", 0, "depth_mm is 'deep', expected a number."),
+        (None, 0.6, 0, "There is no shape ''"),
+    ],
+)
+def test_a_touch_that_is_not_whole_is_told_in_a_sentence(name, depth, seed, sentence):
+    with pytest.raises(GeoTLMError) as caught:
+        touch_of(name, {"depth_mm": depth}, seed)
+    assert str(caught.value).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("is_right", "ways", "told"),
+    [
+        (True, ["left"], "Left, in the camera image.  (correct: it was left)"),
+        (
+            True,
+            ["clockwise", "left"],
+            "Left, in the camera image.  (correct: it was clockwise and left)",
+        ),
+        (False, [], "Left, in the camera image.  (wrong: it was still)"),
+    ],
+)
+def test_an_answer_is_judged_by_all_that_the_touch_did(is_right, ways, told):
+    facts = {"answer": "Left, in the camera image.", "is_right": is_right}
+    assert sentence_of(facts | {"true_ways": ways, "true_motion": "still"}) == told

@@ -1,0 +1,266 @@
+"""What the page shows when a question is asked: answer, evidence, facts, code, errors."""
+
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from app import conversation as facts
+from app import ui
+from app.clips import load_clip, perceive
+from app.compare_tab import compare_both
+from app.conversation import fields_of, suggested
+from app.opening import FIRST, Source, examples
+from app.talking import Talking, code_of
+from app.toolkit import COMPLAINT, filling, literal
+from geotlm_lm import Clip, FrameSpec, GeoTLMError
+from geotlm_lm.core.errors import MissingDependency
+from tests.app.fakes import FakeAnswerer
+from tests.app.test_stage import clip_of
+
+
+def saved(folder, name="clip.npy", top=230):
+    frames = np.random.default_rng(0).integers(0, top, (20, 64, 80, 3)).astype(np.uint8)
+    np.save(folder / name, frames)
+    return str(folder / name)
+
+
+class Talk:
+    """A conversation about one recording."""
+
+    def __init__(self, path):
+        self.answerer = FakeAnswerer()
+        self.shown, self.source = load_clip(self.answerer, path), Source(path, "clip.npy")
+        self.talking, self.chat = Talking(self.answerer), []
+
+    def ask(self, question, checked=(), mm_per_px=None):
+        given = (question, self.chat, self.shown, self.source, list(checked), mm_per_px)
+        (values,) = self.talking.ask(*given)
+        self.chat = values["chat"]
+        return values
+
+    @property
+    def sentence(self):
+        return self.chat[-1]["content"]
+
+
+@pytest.fixture
+def talk(tmp_path):
+    return Talk(saved(tmp_path))
+
+
+def test_an_answer_stands_beside_its_evidence(talk):
+    values = talk.ask("Which way?")
+    assert talk.sentence.startswith("It slides right, ")
+    assert talk.sentence.endswith(", in the camera image.  (95 % sure)")
+    assert (values["probabilities"]["right"], values["probabilities"]["left"]) == (0.97, 0)
+    assert (values["question"], values["last"]) == ("", "right")
+    assert values["notes"] == literal(
+        "- Pixels are those of the 80x64 frames; tell the mm per pixel to have mm."
+    )
+    readers = [row[:2] for row in values["verdicts"]]
+    assert readers[:2] == [["language model", "right"], ["linear probe", "right"]]
+    assert values["verdicts"][1][2] == "90 % (not calibrated)"
+    # The fake perceives one unit to the right, in the left half only.
+    assert values["regions"][3:5] == [["left", 1.0, 0.0, 1.0], ["right", 0.0, 0.0, 0.0]]
+    assert values["timing"].startswith("encode 1.0 ms · read ")
+    assert values["band"] == (
+        "Contact share 0.500; below 0.005 no direction is claimed, and no motion, verdict or "
+        "choice that is less than 50% sure, nor that nothing touches a gel that has changed: "
+        "this answer is **told**."
+    )
+
+
+def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(talk):
+    assert talk.ask("Which way?", [facts.MIRRORED])["last"] == "right"  # in the camera image
+    assert talk.sentence.startswith("It slides left, ")
+    checked = talk.ask("I look from the object's side.", [facts.MIRRORED])["frame"]
+    assert checked == [facts.MIRRORED, facts.OTHER_SIDE]
+    assert "seen from the object" in talk.ask("Which way?", checked)["framed"]
+    assert talk.sentence.startswith("It slides right, ")
+
+
+def test_every_frame_that_can_be_checked_is_shown_as_it_was_checked():
+    for bits in range(32):
+        turn, mirrored, viewpoint, actor = bits % 4, bits & 4, bits & 8, bits & 16
+        frame = FrameSpec(
+            bool(mirrored),
+            "object" if viewpoint else "sensor",
+            "sensor" if actor else "object",
+            **FrameSpec.fields_of_turn(90 * turn),
+        )
+        assert FrameSpec(**fields_of(facts.facts_of(frame))) == frame
+
+
+def test_turns_that_are_checked_add_up_and_of_both_quarters_the_last_holds():
+    both = fields_of([facts.UPSIDE_DOWN, facts.CLOCKWISE])
+    assert FrameSpec(**both) == FrameSpec(image_quarter_turn="counterclockwise")
+    assert FrameSpec(**fields_of([facts.CLOCKWISE, facts.COUNTERCLOCKWISE])) == FrameSpec()
+    before = [facts.CLOCKWISE, facts.MIRRORED]
+    held = facts.update_facts(before, facts.COUNTERCLOCKWISE, True)
+    assert held == [facts.MIRRORED, facts.COUNTERCLOCKWISE]
+    assert facts.update_facts(held, facts.MIRRORED, False) == held[1:]
+    assert facts.update_facts(before, facts.UPSIDE_DOWN, True) == [*before, facts.UPSIDE_DOWN]
+    assert facts.in_frame([facts.OTHER_SIDE], "clockwise").endswith("is **counterclockwise**.")
+
+
+def test_how_sure_an_answer_is_is_stated_once(talk):
+    talk.ask("Which way?")
+    first = talk.sentence
+    talk.ask("Are you sure?")
+    assert talk.sentence == f"About 95%: {first.removesuffix('  (95 % sure)')}"
+
+
+@pytest.mark.parametrize(
+    ("checked", "way", "moved"),
+    [
+        ([], "right", "+2.0 degrees, +3.0 px right, +1.0 px down"),
+        ([facts.MIRRORED], "left", "-2.0 degrees, -3.0 px right, +1.0 px down"),
+        ([facts.CLOCKWISE], "up", "+2.0 degrees, +1.0 px right, -3.0 px down"),
+        ([facts.SENSOR_MOVES], "left", "-2.0 degrees, -3.0 px right, -1.0 px down"),
+    ],
+)
+def test_all_verdicts_are_told_in_the_frame_of_the_answer(talk, checked, way, moved):
+    flow = {"motion": "right", "rotation_deg": 2.0, "slide_x_px": 3.0, "slide_y_px": 1.0}
+    talk.shown.opinions["optical_flow"] = flow
+    verdicts = talk.ask("Which way?", checked)["verdicts"]
+    assert [row[1] for row in verdicts] == [way] * 3
+    assert verdicts[2][2] == moved
+
+
+QUESTION = "Is it <b>5 px</b> &amp; a < b?"
+SHOWN = "Is it &lt;b&gt;5 px&lt;/b&gt; &amp;amp; a &lt; b?"
+
+
+@pytest.mark.parametrize("as_blocks", [False, True], ids=["text", "blocks"])
+def test_a_question_is_asked_again_as_it_was_typed(talk, as_blocks):
+    asked = []
+    talk.answerer.bundle.reader.lines[QUESTION] = "way"
+    chat = talk.ask(QUESTION)["chat"]
+    assert chat[0]["content"] == SHOWN
+    if as_blocks:
+        chat[0]["content"] = [{"type": "text", "text": SHOWN}]
+    talk.shown.session.take_back = SimpleNamespace(call=asked.append).call
+    (again,) = talk.talking.again(chat, talk.shown, talk.source, [], None)
+    assert asked == [QUESTION]
+    assert again["chat"][0]["content"] == SHOWN
+    assert "question" not in again  # what is being typed stays
+
+
+def test_the_code_of_a_conversation_gives_its_answers(tmp_path, monkeypatch, capsys):
+    talk = Talk(saved(tmp_path, "my 'clip'.npy"))
+    talk.source = Source([talk.source.path], "my 'clip'.npy", span=(0, 9))
+    questions = ["Which way?", "I look from the object's side.", "Which way?"]
+    answers, checked = [], [facts.MIRRORED]
+    for question in questions:
+        values = talk.ask(question, checked, 0.06)
+        answers.append(talk.sentence.split("  (")[0])
+        checked = values["frame"]
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("geotlm_lm.Answerer", SimpleNamespace(load=FakeAnswerer), raising=False)
+    exec(values["code"], {})
+    printed = capsys.readouterr().out.splitlines()
+    assert len(printed) == 3
+    # Told at the end in the frame that holds from its beginning, which need not be named.
+    assert answers[-1].startswith(printed[-1].removesuffix("."))
+
+
+def test_the_code_names_an_example_and_a_topic():
+    shown = SimpleNamespace(session=SimpleNamespace(frame=FrameSpec()))
+    code = code_of(examples()["coin"], ["Which way?"], shown)
+    assert "read_clip('app/examples/coin_press.npz')\n" in code
+    bag = Source(["/tmp/x/run.mcap"], "run.mcap", topic="/left")
+    assert "read_clip('run.mcap', topic='/left')\n" in code_of(bag, ["Which way?"], shown)
+
+
+def test_a_question_without_a_clip_is_refused():
+    asked = Talking(FakeAnswerer()).ask("Which way?", [], None, None, [], None)
+    with pytest.raises(GeoTLMError, match="^No recording is open; upload a clip first.$"):
+        next(asked)
+
+
+@pytest.mark.parametrize(
+    ("tops", "begins"),
+    [((230, 230), "Yes: "), ((230, 150), "No: "), ((230, 10), "I cannot tell for sure, ")],
+)
+def test_two_clips_are_compared_by_their_directions(tmp_path, tops, begins):
+    paths = [saved(tmp_path, f"{k}.npy", top) for k, top in enumerate(tops)]
+    chosen = (paths[0], None, paths[1], None)
+    (filled,) = compare_both(FakeAnswerer(), "Do they go the same way?", *chosen)
+    assert filled["verdict"].startswith(f"### {literal(begins)}")
+
+
+def test_a_comparison_of_one_clip_is_refused_and_empties_the_one_before(tmp_path):
+    compared = compare_both(FakeAnswerer(), "Same?", saved(tmp_path), None, None, None)
+    assert set(next(compared).values()) == {""}
+    with pytest.raises(GeoTLMError, match="^A comparison needs two recordings; upload both.$"):
+        next(compared)
+
+
+def test_a_missing_toolkit_is_told_with_how_to_get_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "gradio", None)
+    with pytest.raises(MissingDependency) as caught:
+        ui.build(FakeAnswerer())
+    assert str(caught.value) == (
+        "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`."
+    )
+
+
+PARTS = {"chat": "the chat", COMPLAINT: "the complaint"}
+
+
+def test_a_complaint_is_emptied_once_and_filled_with_the_sentence_as_it_is():
+    def works_and_fails():
+        yield {"chat": 1}
+        yield {"chat": 2}  # another error may have been shown meanwhile
+        raise GeoTLMError("<b>.npy is empty; record it again.")
+
+    assert list(filling(PARTS, works_and_fails)()) == [
+        {"the complaint": "", "the chat": 1},
+        {"the chat": 2},
+        {"the complaint": "&lt;b&gt;.npy is empty; record it again."},
+    ]
+    assert list(filling(PARTS, lambda: iter(()))()) == [{"the complaint": ""}]
+
+
+def test_a_defect_is_not_taken_for_an_error_of_the_user():
+    with pytest.raises(ZeroDivisionError):
+        list(filling(PARTS, lambda: iter([1 / 0]))())
+
+
+@pytest.mark.parametrize(
+    ("text", "markdown"),
+    [
+        ("![x](http://a.b/c)", r"\!\[x\]\(http\:\/\/a\.b\/c\)"),
+        ("<img src=x>", r"\<img src\=x\>"),
+        ("&lt; `a` **b** $c$", r"\&lt\; \`a\` \*\*b\*\* \$c\$"),
+        ("- a note, 3-4", r"- a note\, 3-4"),
+    ],
+)
+def test_markup_is_shown_as_it_is(text, markdown):
+    assert literal(text) == markdown
+
+
+def test_questions_on_offer_fit_what_is_open():
+    assert suggested(None) == []
+    recording = Clip(clip_of(10).frames, fps=25.0)
+    assert suggested(perceive(FakeAnswerer(), recording)) == list(facts.OF_A_RECORDING)
+    shown = perceive(FakeAnswerer(), clip_of(4))
+    assert suggested(shown) == list(facts.OF_A_CLIP)
+    shown.session.answerer.bundle.reader.lines["How far did it go?"] = "amount"
+    shown.session.ask("How far did it go?")
+    shown.session.frame = FrameSpec(mm_per_px=0.06)
+    offered = suggested(shown)
+    assert offered[:3] == list(facts.OF_AN_ANSWER)
+    assert "How far did it go?" not in offered
+    assert offered[-1] == facts.IN_MM
+
+
+def test_every_question_on_offer_is_understood(answerer):
+    session = answerer.session(load_clip(answerer, examples()[FIRST].path).encoded)
+    session.ask("Which way is it moving?")
+    offered = (*facts.OF_A_CLIP, *facts.OF_A_RECORDING, *facts.OF_AN_ANSWER, facts.IN_MM)
+    for question in offered:
+        reply = session.ask(question)
+        assert not reply.text.startswith("I am not sure what you ask"), question
