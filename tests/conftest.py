@@ -1,8 +1,10 @@
 """What is costly to make and the same for every test: made once."""
 
+import os
 import signal
 from pathlib import Path
 
+import hypothesis
 import pytest
 import torch
 
@@ -10,6 +12,12 @@ import geotlm_lm
 from geotlm_lm.answering import Answerer
 from geotlm_lm.recordings.read import read_clip
 from tests.tiny_bundle import tiny_bundle
+
+# A machine beside other work is slow now and then: no example of a law has a deadline.
+hypothesis.settings.register_profile("no deadline", deadline=None)
+hypothesis.settings.load_profile("no deadline")
+# Read by OpenCV when its codecs are first used, by whichever test that is.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
 BUNDLE = Path(geotlm_lm.__file__).parent / "bundle"
 REAL = Path(__file__).resolve().parents[2] / "shared" / "real"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -23,7 +22,7 @@ from geotlm_lm.answering.perceiving import (
     with_idle_of,
 )
 from geotlm_lm.answering.reasons import reasoning_steps
-from geotlm_lm.answering.session import Session, in_pieces
+from geotlm_lm.answering.session import Session
 from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
@@ -155,16 +154,6 @@ class Answerer:
             self.bundle.reader, check_question(question), says=lambda one: says(one, frame, encoded)
         )
         return answer(self.bundle, encoded, found, frame)
-
-    def stream(
-        self, encoded: Encoded, question: str, *, frame: FrameSpec = CAMERA
-    ) -> Iterator[str | Answer]:
-        """Yield the answer's text word by word, and last the `Answer`.
-
-        Raises:
-            UsageError: As `ask` does, at the first piece.
-        """
-        yield from in_pieces(self.ask(encoded, question, frame=frame))
 
     def compare(
         self,

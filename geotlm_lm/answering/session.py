@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
@@ -194,27 +193,11 @@ class Session:
             turn = self.history.pop()
             self.frame, self._before, self._named = turn.frame, turn.before, turn.named
 
-    def stream(self, question: str) -> Iterator[str | Reply]:
-        """Yield the reply's text word by word, and last the reply.
-
-        Raises:
-            UsageError: As `ask` does, at the first piece.
-        """
-        yield from in_pieces(self.ask(question))
-
     def to_dict(self) -> list[dict[str, Any]]:
         """Return the turns as plain JSON values."""
         return [
             {"question": turn.question, "answer": turn.answer.to_dict()} for turn in self.history
         ]
-
-
-def in_pieces(reply: Reply) -> Iterator[str | Reply]:
-    """Yield the words of a reply one by one, and last the reply."""
-    words = reply.text.split(" ")
-    yield from (f"{word} " for word in words[:-1])
-    yield words[-1]
-    yield reply
 
 
 def _is_about_clip(reply: Reply) -> bool:

@@ -24,7 +24,6 @@ def encoded(answerer):
 
 CALLS = {
     "ask": lambda answerer, encoded, given: answerer.ask(given, "Which way?"),
-    "stream": lambda answerer, encoded, given: next(answerer.stream(given, "Which way?")),
     "session": lambda answerer, encoded, given: answerer.session(given),
     "add_clip": lambda answerer, encoded, given: answerer.session(encoded).add_clip(given),
     "compare": lambda answerer, encoded, given: answerer.compare(encoded, given),
@@ -58,7 +57,6 @@ def test_what_is_no_frame_is_refused_with_what_to_give(answerer, encoded, given,
         lambda: answerer.ask(encoded, "Which way?", frame=given),
         lambda: answerer.compare(encoded, encoded, frame=given),
         lambda: answerer.session(encoded, given),
-        lambda: list(answerer.stream(encoded, "Which way?", frame=given)),
     )
     for call in calls:
         with pytest.raises(TypeError) as caught:

@@ -117,6 +117,7 @@ def tiny_answerer():
     return feeling(tiny_bundle(), "left")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a process is ended there in other ways")
 def test_a_recording_that_ends_its_process_has_rows_that_say_so_and_is_not_begun_again(
     clips, tmp_path

@@ -56,7 +56,7 @@ def test_the_file_is_told_as_long_as_it_is_however_few_frames_were_looked_at():
 
 
 def test_what_was_read_at_a_stride_knows_how_many_frames_there_were(tmp_path, monkeypatch):
-    monkeypatch.setattr("geotlm_lm.recordings.arrays.stride_for", lambda *given: 3)
+    monkeypatch.setattr("geotlm_lm.recordings.policy.stride_for", lambda *given: 3)
     np.save(tmp_path / "long.npy", recording(11).frames)
     clip = read_clip(tmp_path / "long.npy")
     assert (clip.frame_numbers, clip.recorded_frames) == ((0, 3, 6, 9), 11)

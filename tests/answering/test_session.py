@@ -134,11 +134,6 @@ def test_two_sessions_share_nothing(bundle):
     assert other.history == []
 
 
-def test_words_are_streamed_to_the_same_answer(session):
-    *words, answer = session.stream("Which way?")
-    assert "".join(words) == answer.text
-
-
 def test_what_is_told_of_the_clip_before_rests_on_it(bundle):
     answerer = feeling(bundle, "clockwise")
     session = answerer.session(answerer.encode(recording()))

@@ -52,6 +52,7 @@ def test_it_is_answered_about_described_and_watched(capsys, answerer, bag):
     assert "dropped frames" not in facts["faults"]
 
 
+@pytest.mark.slow
 def test_a_folder_of_them_is_answered_in_a_batch(capsys, answerer, tmp_path, bag):
     questions, out = tmp_path / "questions.txt", tmp_path / "rows.jsonl"
     questions.write_text("Which way is it turning?\n")

@@ -142,6 +142,7 @@ def weights(tmp_path):
     return write_small("anytouch2", tmp_path / "file")
 
 
+@pytest.mark.slow
 def test_an_encoder_is_evaluated_from_its_file_to_the_record(
     capsys, weights, tmp_path, monkeypatch
 ):

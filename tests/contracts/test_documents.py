@@ -145,7 +145,14 @@ def readers_folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+README, *OTHERS = PAGES
+
+
+@pytest.mark.parametrize(
+    "page",
+    [README, *(pytest.param(page, marks=pytest.mark.slow) for page in OTHERS)],
+    ids=lambda page: str(page.relative_to(ROOT)),
+)
 def test_what_a_page_shows_runs_and_prints_what_it_says(page, readers_folder, monkeypatch, capsys):
     names = {}
     for language, code in blocks(page):

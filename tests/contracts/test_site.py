@@ -33,12 +33,14 @@ def copy(tmp_path):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_the_site_builds_without_a_warning(copy):
     done = build(copy)
     assert done.returncode == 0, done.stdout + done.stderr
     assert (copy / "build/site/index.html").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("link", ["[page](nowhere.md)", "[part](asking.md#nowhere)"])
 def test_a_broken_link_fails_the_build(copy, link):
     page = copy / "docs/index.md"
@@ -49,6 +51,7 @@ def test_a_broken_link_fails_the_build(copy, link):
 # The build passes over pictures, files that are no pages, and pages that the menu names wrongly.
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_whatever_a_page_shows_or_links_is_there(page):
     text = FENCED.sub("", page.read_text())
@@ -60,6 +63,7 @@ def test_whatever_a_page_shows_or_links_is_there(page):
     assert missing == []
 
 
+@pytest.mark.slow
 def test_the_menu_names_every_page_once():
     def files(entries):
         for entry in entries:
@@ -71,5 +75,6 @@ def test_the_menu_names_every_page_once():
     assert sorted(named) == sorted(pages)
 
 
+@pytest.mark.slow
 def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_bytes()) <= README_LIMIT

@@ -42,6 +42,7 @@ def run_in_empty_folder(installed, tmp_path, *arguments):
     )
 
 
+@pytest.mark.slow
 @CHECKOUT
 def test_nothing_but_the_package_lands_at_the_top(wheel):
     with zipfile.ZipFile(wheel) as archive:
@@ -51,6 +52,7 @@ def test_nothing_but_the_package_lands_at_the_top(wheel):
     assert "geotlm_lm/answering/answer.schema.json" in names
 
 
+@pytest.mark.slow
 @CHECKOUT
 @pytest.mark.parametrize("folder", ["prompts", "data_templates", "app", "bundle"])
 def test_every_resource_is_found_inside_the_installed_package(installed, tmp_path, folder):
@@ -61,6 +63,7 @@ def test_every_resource_is_found_inside_the_installed_package(installed, tmp_pat
     assert done.stdout.strip() == str(installed / "geotlm_lm" / folder), done.stderr
 
 
+@pytest.mark.slow
 @CHECKOUT
 def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_path):
     with zipfile.ZipFile(wheel) as archive:
@@ -75,6 +78,7 @@ def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_p
     )
 
 
+@pytest.mark.slow
 @CHECKOUT
 def test_the_installed_command_describes_a_clip_in_an_empty_folder(installed, tmp_path):
     frames = np.random.default_rng(0).integers(0, 255, (6, 48, 64, 3)).astype(np.uint8)
@@ -84,6 +88,7 @@ def test_the_installed_command_describes_a_clip_in_an_empty_folder(installed, tm
     assert "frames: 6" in done.stdout.splitlines()
 
 
+@pytest.mark.slow
 @CHECKOUT
 @pytest.mark.skipif(not (ROOT / "geotlm_lm" / "bundle").is_dir(), reason="needs the trained bundle")
 def test_the_installed_command_answers_in_an_empty_folder(installed, tmp_path):

@@ -224,6 +224,7 @@ def test_an_episode_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
     assert rows(tmp_path / "out") == rows(tmp_path / "whole")
 
 
+@pytest.mark.slow
 def test_as_many_processes_as_there_are_write_the_same_bytes(root, tmp_path, answerer):
     loaded.cache_clear()
     for workers in (1, 2):
@@ -240,6 +241,7 @@ class Deadly(LeRobotDataSet):
         return super().video_of(episode, camera)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="a process is ended there in other ways")
 def test_an_episode_that_ends_its_process_has_no_labels_and_the_others_have(
     root, tmp_path, answerer, monkeypatch

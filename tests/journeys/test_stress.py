@@ -19,6 +19,7 @@ def verdicts(answerer):
     }
 
 
+@pytest.mark.slow
 def test_nothing_crashes(verdicts):
     assert {name: v.text for name, (_, v) in verdicts.items() if v.outcome == "crashed"} == {}
 

@@ -126,6 +126,7 @@ def test_a_processor_of_another_model_is_refused_in_one_sentence(speaker, tmp_pa
         Speaker.load(tmp_path)
 
 
+@pytest.mark.slow
 def test_answering_needs_no_transformers(speaker, tmp_path):
     speaker.save(tmp_path)
     script = (

@@ -62,6 +62,7 @@ def test_all_usable_cores_work_unless_fewer_are_asked_for(monkeypatch):
     assert counts == [3, 2, 7]
 
 
+@pytest.mark.slow
 @needs_kills
 def test_a_part_that_ends_its_process_is_lost_alone_though_only_one_works(tmp_path):
     jobs = [(number, tmp_path / f"{number}.json") for number in (0, 1, 2)]
@@ -72,6 +73,7 @@ def test_a_part_that_ends_its_process_is_lost_alone_though_only_one_works(tmp_pa
         dict(Workers(2).map(halved, [0, 1]))
 
 
+@pytest.mark.slow
 @needs_kills
 def test_a_part_that_was_only_beside_another_is_done_again(tmp_path):
     parts = [tmp_path / "a", tmp_path / "b"]

@@ -25,6 +25,7 @@ def drawing():
     return Drawing(spelling, corpus("train")[:20], 4, 0.25, SIZE.max_tokens, seed=5)
 
 
+@pytest.mark.slow
 def test_the_same_rows_come_from_any_step_on_and_by_any_number_of_processes(drawing):
     rows = list(islice(rows_from(drawing, 0, 0), 3 * POOL))
     assert sum(map(len, rows)) == pytest.approx(3 * POOL * 4, abs=3)
