@@ -7,24 +7,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from geotlm_lm.core.edit import EDIT_WORDS, MIRRORED, Edit, opposite
-from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.edit import MIRRORED, Edit, opposite
 from geotlm_lm.core.labels import Motion, MotionLabel, motion_class
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
+from tests.core.test_frame_spec import FRAMES
 from tests.query.strategies import beliefs, edits
 
 numbers = st.floats(-60, 60).filter(lambda value: abs(value) > 1e-6)
 twists = st.builds(Twist, numbers, numbers, numbers, numbers)
-
-FRAMES = [
-    FrameSpec(
-        image_mirrored=mirrored, viewpoint=view, actor=actor, **FrameSpec.fields_of_turn(turn)
-    )
-    for mirrored in (False, True)
-    for view in ("sensor", "object")
-    for actor in ("object", "sensor")
-    for turn in (0, 90, 180, 270)
-]
 
 
 @given(edits, edits)
@@ -42,20 +32,10 @@ def test_the_words_of_an_edit_name_it(edit):
     assert Edit.of(*edit.words) == edit
 
 
-@pytest.mark.parametrize("word", [one for one in EDIT_WORDS if "quarter" not in one])
-def test_what_is_done_twice_is_undone(word):
-    assert Edit.of(word, word) == Edit()
-
-
 def test_quarters_add_up():
     assert Edit.of("quarter-cw", "quarter-cw") == Edit.of("half")
     assert Edit.of("quarter-cw", "quarter-ccw") == Edit()
     assert Edit.of("mirror", "flip") == Edit.of("half")
-
-
-def test_backwards_turns_every_component_around():
-    assert np.array_equal(Edit.of("backwards").matrix, -np.eye(4))
-    assert np.array_equal(Edit.of("mirror").matrix, np.diag([-1, -1, 1, 1]))
 
 
 @pytest.mark.parametrize(

@@ -35,11 +35,6 @@ def test_the_value_is_the_one_at_its_place_among_the_sorted(share, kind):
     assert np.array_equal(values, before)
 
 
-@pytest.mark.parametrize(("share", "value"), [(0.0, -3), (0.2, -3), (0.25, 1), (0.7, 1), (0.99, 8)])
-def test_a_share_of_four_values_written_out(share, value):
-    assert quantile_by_rank(np.array([[8, 1], [-3, 1]]), share) == value
-
-
 @pytest.mark.parametrize(("values", "share"), [([], 0.5), ([1.0], 1.0), ([1.0], -0.1)])
 def test_no_value_and_no_share_are_refused(values, share):
     with pytest.raises(ValueError, match="expected some, 0 <= share < 1"):

@@ -75,15 +75,7 @@ def even_ns(count):
 
 
 def write_bag(folder, topics, *, received_ns=None, storage=MCAP, compression=None):
-    """Write messages by topic to a bag's folder, and return it.
-
-    Args:
-        folder: Of the bag, not there yet.
-        topics: Name of a topic -> its messages.
-        received_ns: When each message of a topic was received; None for one every 40 ms.
-        storage: Of the messages.
-        compression: Mode of it; None for none.
-    """
+    """Write messages by topic to a folder; without `received_ns` one comes every 40 ms."""
     writer = Writer(folder, version=9, storage_plugin=storage)
     if compression is not None:
         writer.set_compression(compression, CompressionFormat.ZSTD)

@@ -13,30 +13,24 @@ from geotlm_lm.recordings.read import read_clip
 from tests.recordings.test_read import FRAMES
 
 
-@pytest.mark.parametrize("beside", [{}, {"fps": 25.0, "background": FRAMES[0]}])
-def test_the_only_array_of_an_archive_is_taken_for_the_frames(tmp_path, beside):
-    np.savez(tmp_path / "clip.npz", FRAMES, **beside)
-    clip = read_clip(tmp_path / "clip.npz")
-    np.testing.assert_array_equal(clip.frames, FRAMES)
-    assert clip.fps == beside.get("fps")
-    assert "The array 'arr_0' was taken for the frames." in clip.notes
-
-
 @pytest.mark.parametrize(
     ("name", "frames", "beside"),
     [
+        ("arr_0", FRAMES, {"fps": 25.0, "background": FRAMES[0]}),
         ("rgb", FRAMES, {"depth": FRAMES[..., 0]}),
         ("images", FRAMES, {"timestamps": np.arange(len(FRAMES)), "pose": np.eye(4)}),
         ("grey", FRAMES[..., 0], {"a_name": np.array("left"), "force": np.ones((len(FRAMES), 3))}),
         ("video", FRAMES.transpose(0, 3, 1, 2), {"notes": np.array(["a", None], object)}),
     ],
 )
-def test_of_several_arrays_the_only_one_shaped_as_pictures_is_taken(tmp_path, name, frames, beside):
+def test_the_only_array_shaped_as_pictures_is_taken_for_the_frames(tmp_path, name, frames, beside):
     np.savez(tmp_path / "clip.npz", **{name: frames}, **beside)
     clip = read_clip(tmp_path / "clip.npz", layout="THW" if frames.ndim == 3 else None)
     expected = FRAMES if frames.ndim == 4 else np.repeat(FRAMES[..., :1], 3, axis=-1)
     np.testing.assert_array_equal(clip.frames, expected)
     assert f"The array '{name}' was taken for the frames." in clip.notes
+    assert clip.fps == beside.get("fps")
+    assert np.array_equal(clip.background, beside.get("background"))
 
 
 def stored(path, arrays, compression=zipfile.ZIP_DEFLATED):
@@ -54,7 +48,7 @@ LONG = ((400, 240, 320, 3), "|u1", 400 * 240 * 320 * 3)
 
 
 @pytest.mark.parametrize(
-    ("arrays", "said"),
+    ("arrays", "sentence"),
     [
         ({"frames": LONG}, "'frames' unpacks to 87 MiB, "),
         ({"frames": (LONG[0], "|u1", 9)}, "is cut off or is no numpy file"),
@@ -66,12 +60,14 @@ LONG = ((400, 240, 320, 3), "|u1", 400 * 240 * 320 * 3)
     ],
     ids=["black", "cut", "shape", "type", "background", "fps", "many"],
 )
-def test_what_is_refused_by_what_it_declares_is_never_unpacked(tmp_path, monkeypatch, arrays, said):
+def test_what_is_refused_by_what_it_declares_is_never_unpacked(
+    tmp_path, monkeypatch, arrays, sentence
+):
     stored(tmp_path / "clip.npz", arrays)
     monkeypatch.setattr(np.lib.format, "read_array", lambda *_, **__: pytest.fail("was unpacked"))
     with pytest.raises(UnreadableClip) as caught:
         read_clip(tmp_path / "clip.npz")
-    assert str(caught.value).startswith(f"{tmp_path / 'clip.npz'}: {said}")
+    assert str(caught.value).startswith(f"{tmp_path / 'clip.npz'}: {sentence}")
 
 
 def test_what_a_recording_takes_is_known_before_it_is_read(tmp_path):

@@ -46,11 +46,9 @@ def levels(count):
 
 STORED = {
     "uint8": FRAMES,
-    "channels first": np.moveaxis(FRAMES, -1, 1),
     "unit float": FRAMES / np.float32(255),
     "double": FRAMES / 255,
     "half": FRAMES.astype(np.float16),
-    "float up to 255": FRAMES.astype(np.float32),
     "int64": FRAMES.astype(np.int64),
     "big endian": FRAMES.astype(">u2"),
     "fortran order": np.asfortranarray(FRAMES),
@@ -69,15 +67,6 @@ def test_an_array_comes_back_whatever_its_layout_and_range(tmp_path, stored):
     assert np.array_equal(read_clip(tmp_path / "clip.npy").frames, FRAMES)
 
 
-def test_an_archive_brings_its_frame_rate_and_background(tmp_path):
-    np.savez(tmp_path / "clip.npz", frames=FRAMES, fps=25.0, background=FRAMES[0])
-    clip = read_clip(tmp_path / "clip.npz")
-    assert np.array_equal(clip.frames, FRAMES)
-    assert clip.fps == 25
-    assert read_clip(tmp_path / "clip.npz", fps=10).fps == 10
-    assert np.array_equal(clip.background, FRAMES[0])
-
-
 def test_what_was_done_to_channels_and_bits_is_told(tmp_path):
     stored = np.pad(FRAMES.astype(np.uint16) * 257, [(0, 0)] * 3 + [(0, 1)])
     np.savez(tmp_path / "clip.npz", rgba=stored, mask=stored[..., 0], background=stored[0])
@@ -86,9 +75,6 @@ def test_what_was_done_to_channels_and_bits_is_told(tmp_path):
     assert np.array_equal(clip.background, FRAMES[0])
     assert clip.notes[1].startswith("Values (uint16) were taken for 0..65535, colours for RGB")
     assert clip.notes[1].endswith(" The fourth channel was taken for alpha and left out.")
-    np.save(tmp_path / "first.npy", np.moveaxis(stored[..., [2, 1, 0, 3]], -1, 1))
-    swapped = read_clip(tmp_path / "first.npy", layout="TCHW-BGR")
-    assert np.array_equal(swapped.frames, FRAMES)
 
 
 @pytest.mark.parametrize("layout", ["BGR", "bgr", "THWC-BGR"])
@@ -107,9 +93,9 @@ def test_colours_in_opencvs_order_are_turned_round_those_of_the_background_too(t
     np.save(tmp_path / "grey.npy", FRAMES[..., 0])
     grey = read_clip(tmp_path / "grey.npy", layout="thw").frames
     assert np.array_equal(grey, np.repeat(FRAMES[..., :1], 3, axis=-1))
-    first = tmp_path / "first.npy"
-    np.save(first, np.moveaxis(swapped, -1, 1))
-    assert np.array_equal(read_clip(first, layout="TCHW-BGR").frames, FRAMES)
+    first = np.pad(np.moveaxis(swapped, -1, 1), [(0, 0), (0, 1), (0, 0), (0, 0)])
+    np.save(tmp_path / "first.npy", first)
+    assert np.array_equal(read_clip(tmp_path / "first.npy", layout="TCHW-BGR").frames, FRAMES)
 
 
 def test_what_was_guessed_is_stated(tmp_path):
@@ -150,17 +136,11 @@ def test_a_lossy_video_comes_back_in_rgb_and_is_said_to_be_one(tmp_path, suffix,
     )
 
 
-@pytest.mark.parametrize("kind", ["folder", "video"])
-def test_a_layout_is_said_not_to_be_used_where_there_is_none(tmp_path, kind):
-    path = tmp_path / ("clip" if kind == "folder" else "clip.avi")
-    if kind == "folder":
-        path.mkdir()
-        write_images(path)
-    else:
-        write_video(path)
+def test_a_layout_is_said_not_to_be_used_where_there_is_none(tmp_path):
+    write_images(tmp_path)
     note = "The layout THW is not used: only arrays have one to tell."
-    assert read_clip(path, layout="thw").notes[-1] == note
-    assert note not in read_clip(path).notes
+    assert read_clip(tmp_path, layout="thw").notes[-1] == note
+    assert note not in read_clip(tmp_path).notes
 
 
 def test_a_background_image_is_read_in_rgb(tmp_path):
@@ -170,13 +150,8 @@ def test_a_background_image_is_read_in_rgb(tmp_path):
     assert np.array_equal(clip.background, FRAMES[0])
 
 
-@pytest.fixture
-def room_for_six(monkeypatch):
-    frame_bytes = FRAMES[0].nbytes
-    monkeypatch.setattr(policy, "KEPT_BYTES", 6 * frame_bytes)
-
-
-def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, room_for_six):
+def test_a_long_array_is_read_at_a_stride_and_says_so(tmp_path, monkeypatch):
+    monkeypatch.setattr(policy, "KEPT_BYTES", 6 * FRAMES[0].nbytes)
     frames = colourful(count=20)
     np.savez(tmp_path / "clip.npz", frames=frames, fps=40.0)
     clip = read_clip(tmp_path / "clip.npz")
@@ -239,11 +214,3 @@ def test_a_video_that_takes_too_long_is_read_in_part_and_says_so(
     clip = read_clip(path)
     assert clip.frame_numbers == tuple(range(read))
     assert clip.notes[-1] == f"Only the first {read} frames were read; cut the recording."
-
-
-def test_a_long_folder_is_read_at_a_stride(tmp_path, room_for_six):
-    frames = colourful(count=8)
-    write_images(tmp_path, frames)
-    clip = read_clip(tmp_path)
-    assert clip.frame_numbers == (0, 2, 4, 6)
-    assert np.array_equal(clip.frames, frames[::2])

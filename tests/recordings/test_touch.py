@@ -70,12 +70,6 @@ def test_no_readable_simulated_touch_counts_as_untouched():
     assert min(grey_of(one.clip) for one in clips) > UNTOUCHED_GREY
 
 
-def test_a_faint_imprint_is_beyond_noise_where_there_is_little():
-    assert change_from_idle(recorded(imprint(2.5), noise_grey=0.3)).is_beyond_noise
-    assert not change_from_idle(recorded(imprint(2.5), noise_grey=3.0)).is_beyond_noise
-    assert not change_from_idle(recorded(imprint(0.6), noise_grey=0.3)).is_beyond_noise
-
-
 def test_faint_is_beyond_noise_and_no_more_than_an_idle_gel_may_change():
     faint = [
         change_from_idle(recorded(imprint(depth), noise_grey=noise)).is_faint

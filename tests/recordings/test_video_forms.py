@@ -92,13 +92,6 @@ def test_av1_is_read(tmp_path, monkeypatch, ending):
     assert clip.fps == 10
 
 
-def test_av1_that_is_cut_off_is_refused(tmp_path):
-    path = write_av(tmp_path / "clip.mkv", CORNERED)
-    path.write_bytes(path.read_bytes()[:500])
-    with pytest.raises(UnreadableClip, match="of the file is there, cut off before its index"):
-        read_clip(path)
-
-
 def test_tags_of_av1_that_are_no_text_do_no_harm(tmp_path):
     path = write_av(tmp_path / "clip.mkv", CORNERED)
     stored = path.read_bytes()
