@@ -37,21 +37,13 @@ EDIT_WORDS = ("mirror", "flip", "half", "quarter-cw", "quarter-ccw", *_FLAGS)
 
 @dataclass(frozen=True)
 class Edit:
-    """A point of view other than that of the recording.
+    """A point of view other than that of the recording."""
 
-    Args:
-        rotation: Of the image, all that is done to it together: seen from behind, too.
-        behind: Seen from the object's side, which mirrors left and right.
-        backwards: Time runs backwards.
-        undo: What takes the motion back is told.
-        sensor: The sensor's motion is told, not the object's; inward stays inward.
-    """
-
-    rotation: Rotation = _SAME
-    behind: bool = False
+    rotation: Rotation = _SAME  # all that is done to the image together: seen from behind, too
+    behind: bool = False  # from the object's side, which mirrors left and right
     backwards: bool = False
-    undo: bool = False
-    sensor: bool = False
+    undo: bool = False  # what takes the motion back is told
+    sensor: bool = False  # its motion is told, not the object's; inward stays inward
 
     def then(self, other: Edit) -> Edit:
         """Return this edit and then the other."""

@@ -95,8 +95,7 @@ class FrameSpec:
     def fields_of_turn(degrees: float) -> dict[str, Any]:
         """Return the fields that say that the recorded image is turned by `degrees` clockwise.
 
-        Args:
-            degrees: A multiple of 90 of either sign, as the turn is seen in the recorded image.
+        They are a multiple of 90 of either sign, as the turn is seen in the recorded image.
         """
         quarters: dict[float, QuarterTurn] = {90: "clockwise", 270: "counterclockwise"}
         turn = degrees % 360
@@ -134,17 +133,11 @@ class FrameSpec:
         return tuple(name for name in ("contact_side", "thread") if getattr(self, name) is None)
 
     def tightens(self, motion: Motion) -> bool | None:
-        """Tell whether `motion` of the object tightens its thread.
+        """Tell whether `motion` of the object in the camera image tightens its thread.
 
         A right-hand thread seen from its head tightens clockwise; the shank side and a left-hand
-        thread each invert that.
-
-        Args:
-            motion: The object's motion in the camera image.
-
-        Returns:
-            True, False, or None when the motion is no rotation, when a fact is missing, or when the
-            gel touches the side, where a cap's turn shows as a slide.
+        thread each invert that. None when the motion is no rotation, when a fact is missing, or
+        when the gel touches the side, where a cap's turn shows as a slide.
         """
         if motion not in ROTATIONS or self.missing_for_thread() or self.contact_side == "side":
             return None

@@ -81,10 +81,8 @@ def travel_scale(
 ) -> tuple[str, tuple[float, float]]:
     """Return "px" or "mm", and the lengths in it of a pixel of our square across and down.
 
-    Args:
-        rows: Height of the picture as it came, pixels.
-        columns: Width.
-        mm_per_px: Width on the gel of a pixel of that picture; None measures in its pixels.
+    `mm_per_px` is the width on the gel of a pixel of the picture as it came, of `rows` and
+    `columns`; None measures in its pixels.
     """
     filled_rows, filled_columns = filled_size(rows, columns)
     across, down = columns / filled_columns, rows / filled_rows

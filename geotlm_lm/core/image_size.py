@@ -48,12 +48,8 @@ def page_sizes(file: BinaryIO, most: int) -> list[tuple[int, int] | None]:
     By the directories alone (TIFF 6.0 section 2, BigTIFF): a library opens no page of a kind that
     it cannot decode, and which damage it passes over changes with its version.
 
-    Args:
-        file: Open for reading, at any place.
-        most: Pages looked at; a chain of directories may be endless.
-
-    Returns:
-        None last where a page declares no size or points outside the file: what follows is unknown.
+    The last is None where a page declares no size or points outside the file: what follows is
+    unknown. No more than `most` are looked at, as a chain of directories may be endless.
     """
     end = file.seek(0, SEEK_END)
     file.seek(0)

@@ -65,12 +65,7 @@ def signed_amount(
 ) -> float | None:
     """Return how far a movement goes the way `motion` names, negative against it.
 
-    Args:
-        motion: A motion; stillness and absence go no way: None.
-        turn: Clockwise, in any unit, which is the result's for turns.
-        right: Travel to the right, likewise.
-        down: Travel down the image, likewise.
-        inward: Into the gel, likewise.
+    In the unit of that component; stillness and absence go no way: None.
     """
     return {
         Motion.CLOCKWISE: turn,

@@ -23,16 +23,7 @@ class UnreadableRecord(GeoTLMError):
 
 @dataclass(frozen=True)
 class RunRecord:
-    """Numbers and everything needed to get them again.
-
-    Args:
-        name: What was run, e.g. "evaluate".
-        command: The command line that produced the numbers.
-        seed: The root seed.
-        seconds: Wall time.
-        numbers: The results, plain JSON values.
-        config: Every setting that shaped them.
-    """
+    """Numbers, plain JSON values, and everything needed to get them again."""
 
     name: str
     command: str
@@ -64,14 +55,12 @@ class RunRecord:
 
 def machine() -> dict[str, Any]:
     """Return the processor, its core count, and the versions that decide speed and numbers."""
-    versions = {}
-    for package in ("numpy", "torch", "transformers", "opencv-contrib-python-headless"):
-        versions[package] = _version(package)
+    packages = ("numpy", "torch", "transformers", "opencv-contrib-python-headless")
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "python": platform.python_version(),
-        "versions": versions,
+        "versions": {package: _version(package) for package in packages},
     }
 
 

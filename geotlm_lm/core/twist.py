@@ -45,14 +45,7 @@ STILL_MM, COUNTING_MM = 0.06, 0.15
 
 @dataclass(frozen=True)
 class Twist:
-    """How an object moves between two times.
-
-    Args:
-        turn_deg: Turn about the middle of the contact, clockwise positive.
-        right_px: Travel of that middle to the right.
-        down_px: The same down the image.
-        inward_mm: Approach into the gel.
-    """
+    """How an object moves between two times: it turns about the middle of the contact."""
 
     turn_deg: float = 0.0
     right_px: float = 0.0
@@ -81,9 +74,7 @@ class Twist:
     def path(self, component: Component, radius_px: float) -> float:
         """Return how far a component moves the imprint: pixels, of a press millimetres.
 
-        Args:
-            component: Which.
-            radius_px: Of the contact, at which a turn's path is measured.
+        The path of a turn is that at the contact's radius.
         """
         return {
             Component.TURN: abs(math.radians(self.turn_deg)) * radius_px,
@@ -93,12 +84,7 @@ class Twist:
 
 
 def counts(component: Component, path: float) -> bool | None:
-    """Tell whether a component counts that moves the imprint so far; None where it is ambiguous.
-
-    Args:
-        component: Which.
-        path: As `Twist.path` measures it.
-    """
+    """Tell whether a component of a `Twist.path` counts; None where it is ambiguous."""
     low, high = (STILL_MM, COUNTING_MM) if component is Component.PRESS else (STILL_PX, COUNTING_PX)
     if path >= high:
         return True

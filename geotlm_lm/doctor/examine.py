@@ -83,21 +83,13 @@ WIDEST = 2.0
 
 @dataclass(frozen=True)
 class Finding:
-    """What is known about one side of a recording.
-
-    Args:
-        subject: What was looked at, such as "frame rate".
-        verdict: What comes of it.
-        measured: In words, with units.
-        means: For the answers; "" where all is fine.
-        advice: Which option or fact to set, or what to change; "" likewise.
-    """
+    """What is known about one side of a recording, such as its frame rate, in words."""
 
     subject: str
     verdict: Verdict
     measured: str
-    means: str = ""
-    advice: str = ""
+    means: str = ""  # for the answers; "" where all is fine
+    advice: str = ""  # which option or fact to set, or what to change; "" likewise
 
     def to_dict(self) -> dict[str, Any]:
         """Return it for JSON."""
@@ -119,10 +111,7 @@ def judged(subject: str, measured: str, means: str, advice: str, *, is_fault: bo
 def examine(clip: Clip, frames: Iterable[tuple[int, Frames]] | None = None) -> list[Finding]:
     """Return every finding, in the order in which they are shown.
 
-    Args:
-        clip: As it was read.
-        frames: Number and picture of each frame of the recording, as `each_frame` yields them; None
-            for those of the clip.
+    Frames are those of the recording, as `each_frame` yields them; None for those of the clip.
     """
     smalls, repeats, numbers, before = [], [], [], None
     every = frames or zip(clip.frame_numbers, clip.frames, strict=True)

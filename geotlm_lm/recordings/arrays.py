@@ -69,11 +69,8 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
 
     Where no array is called `frames`, the only other one is taken for them (`numpy.savez(path,
     frames)` calls it `arr_0`), or of several the only one with the shape of pictures, in colour
-    before grey, as in an archive of `rgb` and `depth`. A note says so.
-
-    Args:
-        path: Of the file.
-        layout: Of `frames`, checked; None to guess. The background has the same order of colours.
+    before grey, as in an archive of `rgb` and `depth`. A note says so. The layout is checked, None
+    to guess it; the background has the same order of colours.
     """
     name = str(path)
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:

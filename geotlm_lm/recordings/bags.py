@@ -93,11 +93,7 @@ class BagSource(Source):
     """The images of a topic in the order in which they were received.
 
     Frames are timed by their headers' stamps; where a stamp is missing or one does not rise, by
-    when the bag's recorder received them.
-
-    Args:
-        path: A .mcap, .db3 or .bag file, or a bag's folder.
-        topic: Name of the topic; None where the bag has images on one only.
+    when the bag's recorder received them. No topic is needed where the bag has images on one only.
     """
 
     def __init__(self, path: Path, topic: str | None = None) -> None:
@@ -263,12 +259,9 @@ def _refusing_damage(path: Path) -> Iterator[None]:
     except GeoTLMError:
         raise
     except Exception as error:
-        is_first = path.suffix.lower() == ROS_1
-        kind, writer, repair = (
-            ("ROS 1", "rosbag record", "rosbag reindex")
-            if is_first
-            else ("ROS 2", "ros2 bag record", "mcap recover")
-        )
+        kind, writer, repair = "ROS 2", "ros2 bag record", "mcap recover"
+        if path.suffix.lower() == ROS_1:
+            kind, writer, repair = "ROS 1", "rosbag record", "rosbag reindex"
         raise UnreadableClip(
             f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
             f"again, or repair it by `{repair}`."

@@ -22,17 +22,10 @@ WHOLE_SHARE = 0.95
 
 @dataclass(frozen=True)
 class DeclaredEnd:
-    """Where a container says that it ends.
-
-    Args:
-        present_bytes: Size of the file.
-        declared_bytes: Size that the container declares; None where it declares none, as one that
-            is still being written.
-        duration_s: Duration that it declares, s; None where it declares none.
-    """
+    """Where a container says that it ends."""
 
     present_bytes: int
-    declared_bytes: int | None
+    declared_bytes: int | None  # None as of one that is still being written
     duration_s: float | None = None
 
     def note(self) -> str | None:
@@ -71,11 +64,8 @@ def cut_off_note(
 ) -> str | None:
     """Return a sentence where the end of a video is missing; None where all of it is there.
 
-    Args:
-        path: Of the file.
-        frame_count: How many frames could be decoded.
-        length_s: How long they last, s; None where they have no times.
-        declared_s: How long the decoder says that the file lasts, s; None where it does not.
+    `length_s` is how long the decoded frames last, None where they have no times; `declared_s` how
+    long the decoder says that the file does.
     """
     end = declared_end(path)
     if end is not None and end.duration_s is not None:

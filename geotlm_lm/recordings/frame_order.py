@@ -31,16 +31,10 @@ _DECIMAL = re.compile(r"((?<![\d.])\d+\.\d+(?!\d|\.\d)|\d+)")
 
 @dataclass(frozen=True)
 class FrameOrder:
-    """The frames of one recording.
-
-    Args:
-        names: Of the images, in order.
-        numbers: Where each stood in the recording, from 0; a frame that is missing leaves a gap.
-        notes: What is not plain about the order, a sentence each.
-    """
+    """The names of one recording's images in order, and what is not plain about it."""
 
     names: tuple[str, ...]
-    numbers: tuple[int, ...]
+    numbers: tuple[int, ...]  # from 0; a frame that is missing leaves a gap
     notes: tuple[str, ...] = ()
 
 

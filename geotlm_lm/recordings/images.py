@@ -93,19 +93,12 @@ def _contents(folder: Path) -> str:
 
 @dataclass(frozen=True)
 class FolderImages:
-    """The images in a folder.
-
-    Args:
-        frames: Of the recording, in order.
-        order: Where they stood in the recording, and what is not plain about it.
-        idle: The idle gel, an image named `background`; None if there is none.
-        masks: Contact masks beside the frames, named `mask_1` and the like.
-    """
+    """The images in a folder: frames in order, the idle gel, and what is left out."""
 
     frames: list[Path]
     order: FrameOrder
-    idle: Path | None
-    masks: list[Path]
+    idle: Path | None  # an image named `background`
+    masks: list[Path]  # of contact, named `mask_1` and the like
 
 
 def folder_images(folder: Path) -> FolderImages:
@@ -163,10 +156,7 @@ def _read_image(path: Path) -> tuple[Frames, StatedShape]:
 def decoded_image(stored: bytes, name: str, refusal: str | None = None) -> Frames:
     """Return the image in a file's content as uint8 RGB, shape (rows, columns, 3).
 
-    Args:
-        stored: The content.
-        name: Of what holds it, for errors.
-        refusal: Sentence for content that is no whole image; None for that of a file.
+    `refusal` is the sentence for content that is no whole image; None for that of a file.
     """
     if (size := declared_size(stored)) is not None:
         kept_frames(*size, name)  # refused before the decoder makes room for it

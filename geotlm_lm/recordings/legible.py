@@ -74,13 +74,23 @@ def require_legible(clip: Clip) -> Clip:
             mostly noise, or if their brightness is far from the background's or changes within the
             clip.
     """
-    _require_pixels(clip)
-    rows, columns = (max(1, side // SAMPLED_SIDE) for side in clip.frames.shape[1:3])
+    height, width = clip.frames.shape[1:3]
+    if min(height, width) < FEWEST_PX:
+        raise UnreadableClip(
+            f"{clip.name}: frames are {width}x{height} pixels, expected at least {FEWEST_PX} a "
+            f"side; export the recording at a larger size."
+        )
+    rows, columns = (max(1, side // SAMPLED_SIDE) for side in (height, width))
     # Colours first: numpy looks through neighbours in memory several times faster.
     sample = np.ascontiguousarray(clip.frames[:, ::rows, ::columns].transpose(3, 0, 1, 2))
     _require_exposed(clip, sample)
-    if min(clip.frames.shape[1:3]) >= FINE_SIDE:
-        _require_quiet(clip, clip.frames[:, :: 2 * rows, :, GREEN])
+    is_fine = min(height, width) >= FINE_SIDE
+    noise = noise_grey(clip.frames[:, :: 2 * rows, :, GREEN]) if is_fine else 0.0
+    if noise > MOST_NOISE_GREY:
+        raise UnreadableClip(
+            f"{clip.name}: the frames carry noise of {noise:.0f} grey levels, expected at most "
+            f"{MOST_NOISE_GREY:g}; lower the camera's gain, or average several frames into each."
+        )
     if clip.background is not None:
         idle = clip.background[::rows, ::columns].transpose(2, 0, 1)
         _require_steady(clip, sample, idle)
@@ -141,15 +151,6 @@ def noise_grey(lines: NDArray[np.uint8]) -> float:
     return float(quantile_by_rank(np.abs(bend))) / (0.6745 * np.sqrt(6.0))
 
 
-def _require_pixels(clip: Clip) -> None:
-    height, width = clip.frames.shape[1:3]
-    if min(height, width) < FEWEST_PX:
-        raise UnreadableClip(
-            f"{clip.name}: frames are {width}x{height} pixels, expected at least {FEWEST_PX} a "
-            f"side; export the recording at a larger size."
-        )
-
-
 def _require_exposed(clip: Clip, sample: Colours) -> None:
     brightest = sample.max(axis=0)
     black = (brightest <= DARK_GREY).mean(axis=(1, 2))
@@ -169,15 +170,6 @@ def _require_exposed(clip: Clip, sample: Colours) -> None:
         raise UnreadableClip(
             f"{clip.name}: {white.max():.0%} of frame {_number(clip, white)} is overexposed, "
             f"expected at most {MOST_WHITE:.0%}; shorten the camera's exposure."
-        )
-
-
-def _require_quiet(clip: Clip, lines: NDArray[np.uint8]) -> None:
-    noise = noise_grey(lines)
-    if noise > MOST_NOISE_GREY:
-        raise UnreadableClip(
-            f"{clip.name}: the frames carry noise of {noise:.0f} grey levels, expected at most "
-            f"{MOST_NOISE_GREY:g}; lower the camera's gain, or average several frames into each."
         )
 
 

@@ -133,14 +133,8 @@ def rgb_frames(
 ) -> tuple[Iterator[Callable[[], Frames]], str]:
     """Return what makes each frame uint8 RGB, and a note on the range of the values.
 
-    One by one: a floating-point copy of the whole recording would not fit the bound.
-
-    Args:
-        array: Numbers in [0, 1] (floating point only), [0, 255], or uint16 that uses its range. A
-            fourth channel is left out.
-        layout: Of the axes of `array`.
-        order: Of its colours.
-        name: Of the file, for errors.
+    One by one: a floating-point copy of the whole recording would not fit the bound. Numbers are in
+    [0, 1] (floating point only), [0, 255], or uint16 that uses its range; alpha is left out.
     """
     require_numbers(array.dtype, name)
     if array.size == 0:

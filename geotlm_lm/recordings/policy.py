@@ -53,50 +53,35 @@ ROUNDED_S = 0.002
 class SourceFrame(NamedTuple):
     """A frame of a recording, not decoded yet.
 
-    Args:
-        decode: Returns it as uint8 RGB, until the next frame is asked for; None where it and what
-            follows cannot be decoded.
-        stamp_ms: When it was taken, milliseconds; None without a stamp.
-        received_ms: When a recorder received it; None where only stamps are stored.
+    `decode` returns it as uint8 RGB, until the next frame is asked for; None where it and what
+    follows cannot be decoded.
     """
 
     decode: Callable[[], Frames | None]
     stamp_ms: float | None = None
-    received_ms: float | None = None
+    received_ms: float | None = None  # by a recorder; None where only stamps are stored
 
 
 @dataclass(eq=False)
 class Source:
     """A recording's frames and what its file declares about them, read once.
 
-    Args:
-        name: What errors call it.
-        frames: Yields every n-th frame, n given; n is 1 where `count` is None. What is not known
-            before is filled in while frames are yielded: `header_fps`, `notes`.
-        count: How many frames there are; None where only reading them tells, as headers of videos
-            are often wrong.
-        size: Rows and columns of a frame, of a known count.
-        stored_bytes: Of a frame in another form that has to be held as well.
-        header_fps: Frames per second by the header; 0 where it does not say.
-        notes: What was guessed, a sentence each.
-        end_notes: Returns what else there is to say, from the frames' times in ms and whether the
-            recording was read to its end.
-        no_frames: Returns the error of a recording without a frame.
-        numbers: Where the frames stood in the recording; () for one after the other.
-        is_whole: Whether `count` is all of them.
+    `frames` yields every n-th one, n given; n is 1 where `count` is None. What is not known before
+    is filled in while frames are yielded: `header_fps`, `notes`.
     """
 
     name: str
     frames: Callable[[int], Iterator[SourceFrame]]
-    count: int | None = None
-    size: tuple[int, int] = (0, 0)
-    stored_bytes: int = 0
-    header_fps: float = 0.0
+    count: int | None = None  # None where only reading tells: headers of videos are often wrong
+    size: tuple[int, int] = (0, 0)  # rows and columns, of a known count
+    stored_bytes: int = 0  # of a frame in another form that has to be held as well
+    header_fps: float = 0.0  # 0 where the header does not say
     notes: list[str] = field(default_factory=list)
+    # From the frames' times in ms and whether the recording was read to its end.
     end_notes: Callable[[Sequence[float], bool], Sequence[str]] = lambda times_ms, is_whole: ()
     no_frames: Callable[[], UnreadableClip] | None = None
-    numbers: Sequence[int] = ()
-    is_whole: bool = True
+    numbers: Sequence[int] = ()  # where the frames stood; () for one after the other
+    is_whole: bool = True  # whether `count` is all of them
 
 
 def read_source(source: Source) -> Clip:
@@ -223,12 +208,7 @@ def one_clock(
 
 
 def rate_by(times_ms: Sequence[float], header_fps: float) -> tuple[float | None, tuple[str, ...]]:
-    """Return the frame rate, None where no single one holds; a note where the header errs.
-
-    Args:
-        times_ms: When each frame was taken, in order.
-        header_fps: Frames per second by the header; 0 where it does not say.
-    """
+    """Return the frame rate, None where no single one holds; a note where the header errs."""
     steps = np.diff(np.asarray(times_ms, np.float64))
     if len(steps) < 2 or steps.min() <= 0:  # no stamps, or none to rely on
         return header_fps or None, ()

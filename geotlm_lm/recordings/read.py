@@ -120,9 +120,7 @@ def require_rate(fps: float | None) -> None:
 def read_background(path: str | Path, order: Order = "RGB") -> Frames:
     """Return the idle gel in an image or .npy file, uint8, shape (rows, columns, 3).
 
-    Args:
-        path: Of the file.
-        order: Of the colours in an array; those of an image are known.
+    The order is that of the colours in an array; those of an image are known.
 
     Raises:
         UnreadableClip: If the file is missing or holds no single image.
@@ -162,11 +160,10 @@ def _read(path: Path, layout: str | None, topic: str | None) -> Clip:
         raise UnreadableClip(
             f"{path}: only 1 frame was found, motion needs 2 or more; give the folder it lies in."
         )
-    known = ", ".join(CLIP_SUFFIXES)
     ending = f"named '{suffix}'" if suffix else "without an ending"
     raise UnreadableClip(
-        f"{path}: files {ending} are not known, expected {known} or a folder of images; "
-        f"export the recording as one of these."
+        f"{path}: files {ending} are not known, expected {', '.join(CLIP_SUFFIXES)} or a folder of "
+        f"images; export the recording as one of these."
     )
 
 
@@ -241,12 +238,10 @@ def require_motion(clip: Clip) -> Clip:
 
 
 def frames_inside(clip: Clip, span: tuple[int, int]) -> Clip:
-    """Return the frames of a span, two or more.
+    """Return the frames from a first to a last, both included, two or more.
 
-    Args:
-        clip: The recording.
-        span: First and last frame, both included, by their `frame_numbers`: counted from 0 in the
-            recording, also where it was read at a stride.
+    They are given by their `frame_numbers`: counted from 0 in the recording, also where it was read
+    at a stride.
 
     Raises:
         UsageError: If the span is not inside the clip, runs backwards, or holds one frame only.

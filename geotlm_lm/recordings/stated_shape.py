@@ -40,15 +40,10 @@ WIDEST_PIXEL = 8.0
 
 @dataclass(frozen=True)
 class StatedShape:
-    """What a file states about the pictures in it.
+    """What a file states about the pictures in it."""
 
-    Args:
-        orientation: As EXIF numbers it, 1 where nothing is turned. OpenCV applies it by itself.
-        pixel_aspect: Width of a pixel over its height, of the turned picture.
-    """
-
-    orientation: int = 1
-    pixel_aspect: float = 1.0
+    orientation: int = 1  # as EXIF numbers it; OpenCV applies it by itself
+    pixel_aspect: float = 1.0  # width of a pixel over its height, of the turned picture
 
     @property
     def notes(self) -> tuple[str, ...]:

@@ -68,15 +68,10 @@ class StreamFrame:
 
 @dataclass(frozen=True)
 class Patience:
-    """How long a source may be silent, and what is called meanwhile.
-
-    Args:
-        stalled_s: Seconds without a frame after which its reader is refused;
-            infinite for one that may pause, as a recording may.
-        tell: Called with the seconds without a frame so far, at rising intervals.
-    """
+    """How long a source may be silent before its reader is refused; a recording may pause."""
 
     stalled_s: float = math.inf
+    # Called with the seconds without a frame so far, at rising intervals.
     tell: Callable[[float], None] | None = None
 
 

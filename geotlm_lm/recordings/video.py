@@ -210,12 +210,12 @@ def _gif_notes(file: IO[bytes]) -> tuple[str, ...]:
     file.seek(max(file.seek(0, SEEK_END) - _GIF_END, 0))
     is_ended = file.read().rstrip(b"\0\r\n").endswith(b";")
     file.seek(0)
-    return () if is_ended else (_CUT_OFF,)
+    if is_ended:
+        return ()
+    return (
+        "The end of this gif is missing: the file is cut off or damaged; copy or record it again.",
+    )
 
 
 _GIF_END = 64
 """Bytes at the end of a GIF in which its last one is looked for; some programs fill up with 0."""
-
-_CUT_OFF = (
-    "The end of this gif is missing: the file is cut off or damaged; copy or record it again."
-)
