@@ -83,34 +83,23 @@ def signed_amount(
 class MotionLabel:
     """The truth about one clip, from its first to its last frame.
 
-    Args:
-        motion: The dominant motion.
-        rotation_deg: Signed turn of the object, positive clockwise as drawn in the image.
-        slide_x_mm: Travel of the object to the right.
-        slide_y_mm: Travel of the object down the image.
-        depth_change_mm: Change of the indentation depth, positive when pressing in.
-        contact_fraction: Share of the image in contact, one number per frame, in [0, 1].
-        is_readable: Whether the dominant motion changes the image more than the sensor's noise, as
-            a smooth ball spinning about its own axis does not, and dominates at the contact.
-        mm_per_px: Width and height on the gel of a pixel of the 224-pixel image; None where the
-            recording does not tell.
-        travel_px: Travel of the middle of the contact to the right and down, pixels of the
-            224-pixel image; None where the recording does not tell.
-        radius_px: Radius of gyration of the contact, likewise; 0 where nothing touches.
-        visible_grey: What of the picture's change only the turn, the slide and the press can have
-            made, grey levels; infinite where nothing is known of it.
+    Pixels are those of the 224-pixel image; None where the recording does not tell.
     """
 
-    motion: Motion
+    motion: Motion  # the dominant one
     rotation_deg: float = 0.0
-    slide_x_mm: float = 0.0
-    slide_y_mm: float = 0.0
-    depth_change_mm: float = 0.0
-    contact_fraction: tuple[float, ...] = ()
+    slide_x_mm: float = 0.0  # travel of the object to the right
+    slide_y_mm: float = 0.0  # down the image
+    depth_change_mm: float = 0.0  # positive when pressing in
+    contact_fraction: tuple[float, ...] = ()  # share of the image in contact, one per frame
+    # Whether the dominant motion changes the image more than the sensor's noise, as a smooth ball
+    # spinning about its own axis does not, and dominates at the contact.
     is_readable: bool = True
-    mm_per_px: tuple[float, float] | None = None
-    travel_px: tuple[float, float] | None = None
-    radius_px: float = 0.0
+    mm_per_px: tuple[float, float] | None = None  # width and height of a pixel on the gel
+    travel_px: tuple[float, float] | None = None  # of the middle of the contact, right and down
+    radius_px: float = 0.0  # of gyration of the contact; 0 where nothing touches
+    # What of the picture's change only the turn, the slide and the press can have made, grey
+    # levels; infinite where nothing is known of it.
     visible_grey: tuple[float, float, float] = (math.inf, math.inf, math.inf)
 
     @property

@@ -158,12 +158,8 @@ BLOCK = 16
 def _rms_from(reference: NDArray[np.float32], grey: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return how far each image is from the reference but for its mean, grey levels (rms)."""
     blocks = (grey[start : start + BLOCK] - reference for start in range(0, len(grey), BLOCK))
-    return np.concatenate([_rms(block) for block in blocks])
-
-
-def _rms(images: NDArray[np.float32]) -> NDArray[np.float32]:
-    centred = images - images.mean(axis=(1, 2), keepdims=True)
-    return np.sqrt(np.square(centred).mean(axis=(1, 2)))
+    centred = (block - block.mean(axis=(1, 2), keepdims=True) for block in blocks)
+    return np.concatenate([np.sqrt(np.square(block).mean(axis=(1, 2))) for block in centred])
 
 
 def _shrink(frame: Frames, width: int) -> Frames:

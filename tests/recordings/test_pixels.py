@@ -172,7 +172,6 @@ def test_a_shape_of_pixels_that_is_no_truth_value_is_refused_in_a_sentence(recor
     )
 
 
-GRADIENT = np.broadcast_to(np.arange(64, 192, 2, dtype=np.uint8)[:, None], (64, 64, 3)).copy()
 NOISE = np.random.default_rng(0).integers(0, 256, (64, 64, 3)).astype(np.uint8)
 
 

@@ -101,9 +101,10 @@ def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeyp
 
 
 class FakeCapture:
-    """A camera of three frames, BGR, that then stops."""
+    """A camera of a few frames, BGR, that then stops, or whose driver fails."""
 
-    left = 4
+    def __init__(self, count=3, error=None):
+        self.left, self.error = count, error
 
     def isOpened(self):  # noqa: N802
         return True
@@ -115,28 +116,37 @@ class FakeCapture:
         return 30.0
 
     def read(self):
+        time.sleep(0.01)
         self.left -= 1
-        return self.left > 0, np.full((24, 32, 3), (10, 20, 30), np.uint8)
+        if self.left < 0 and self.error is not None:
+            raise self.error
+        return self.left >= 0, np.full((24, 32, 3), (10, 20, 30), np.uint8)
 
     def release(self):
         pass
 
 
-class BreakingCapture(FakeCapture):
-    """A camera whose driver fails after two frames."""
+@pytest.fixture
+def camera(monkeypatch):
+    """Return what makes the camera 0 one of some frames."""
 
-    def read(self):
-        if self.left == 2:
-            raise cv2.error("the driver is gone")
-        return super().read()
+    def plug(*options):
+        monkeypatch.setattr(cv2, "VideoCapture", lambda *source: FakeCapture(*options))
+        return open_source("0")
+
+    return plug
 
 
-def test_a_camera_whose_driver_fails_is_one_that_stopped(monkeypatch):
-    monkeypatch.setattr(cv2, "VideoCapture", lambda *source: BreakingCapture())
+@pytest.mark.parametrize(
+    ("error", "reason"), [(None, "s"), (cv2.error("the driver is gone"), r".*the driver is gone.*")]
+)
+def test_a_camera_gives_rgb_frames_until_it_stops(camera, monkeypatch, error, reason):
     monkeypatch.setattr(LatestFrames, "__iter__", until_closed(LatestFrames.__iter__))
-    frames = iter(open_source("0"))
-    assert [next(frames).image.shape for _ in range(2)] == [(24, 32, 3)] * 2
-    with pytest.raises(MissingDependency, match=r"Camera 0 stopped .*the driver is gone.*; check"):
+    stream = camera(3, error)
+    assert stream.fps == 30.0
+    frames = iter(stream)
+    assert [next(frames).image[0, 0].tolist() for _ in range(3)] == [[30, 20, 10]] * 3
+    with pytest.raises(MissingDependency, match=rf"^Camera 0 stopped giving .*{reason}; check"):
         next(frames)
 
 
@@ -151,20 +161,10 @@ def test_a_recording_that_fails_while_it_plays_does_not_leave_the_reader_waiting
         list(open_source(str(film), at_its_rate=True))
 
 
-class EndlessCapture(FakeCapture):
-    """A camera that gives frame after frame."""
-
-    def read(self):
-        time.sleep(0.01)
-        return True, np.zeros((24, 32, 3), np.uint8)
-
-
 @pytest.mark.parametrize("source", ["a camera", "a recording"])
-def test_a_reader_that_stops_ends_the_thread_that_brings_the_frames(film, monkeypatch, source):
+def test_a_reader_that_stops_ends_the_thread_that_brings_the_frames(film, camera, source):
     before = threading.active_count()
-    if source == "a camera":
-        monkeypatch.setattr(cv2, "VideoCapture", lambda *source: EndlessCapture())
-    stream = open_source("0") if source == "a camera" else open_source(str(film), at_its_rate=True)
+    stream = camera(1000) if source == "a camera" else open_source(str(film), at_its_rate=True)
     frames = iter(stream)
     next(frames)
     assert threading.active_count() == before + 1
@@ -182,13 +182,3 @@ def until_closed(read):
         return read(self)
 
     return reading
-
-
-def test_a_camera_gives_rgb_frames_until_it_stops(monkeypatch):
-    monkeypatch.setattr(cv2, "VideoCapture", lambda *source: FakeCapture())
-    camera = open_source("0")
-    frames = iter(camera)
-    assert [next(frames).image[0, 0].tolist() for _ in range(3)] == [[30, 20, 10]] * 3
-    with pytest.raises(MissingDependency, match="^Camera 0 stopped giving frames after "):
-        next(frames)
-    assert camera.fps == 30.0

@@ -19,7 +19,6 @@ from tests.recordings.test_read import FRAMES
 pytest.importorskip("av", reason="needs the extra `lerobot`")
 
 from tests.recordings.video_forms import (  # noqa: E402
-    shown_as,
     turned,
     write_av,
     write_gif,
@@ -123,12 +122,6 @@ def test_pixels_that_are_not_square_are_stretched(tmp_path, monkeypatch, aspect,
     ratio = f"The file states pixels {float(aspect):.3g} times as wide as high: pictures were "
     assert any(note.startswith(ratio) for note in clip.notes)
     assert open_source(str(path)).notes[0].startswith(ratio)
-
-
-@pytest.mark.parametrize(("shown", "size"), [((16, 48), (192, 64)), ((64, 48), (48, 64))])
-def test_the_size_that_a_matroska_file_is_to_be_shown_in_is_applied(tmp_path, shown, size):
-    clip = read_clip(shown_as(tmp_path / "clip.mkv", CORNERED, *shown))
-    assert clip.frames.shape[1:3] == size
 
 
 @pytest.mark.parametrize("aspect", [Fraction(1, 20), Fraction(20)])

@@ -6,8 +6,6 @@ import struct
 import av
 from PIL import Image
 
-from tests.recordings.test_read import write_video
-
 QUARTERS = {90: (0, 1, -1, 0), 180: (-1, 0, 0, -1), 270: (0, -1, 1, 0)}
 """Degrees clockwise -> the matrix that an .mp4 states."""
 
@@ -42,20 +40,4 @@ def turned(path, degrees):
     across, down, over, under = (value << 16 for value in QUARTERS[degrees])
     stored[at : at + 36] = struct.pack(">9i", across, down, 0, over, under, 0, 0, 0, 1 << 30)
     path.write_bytes(stored)
-    return path
-
-
-def shown_as(path, frames, width, height):
-    """Write an .mkv of small frames that states another size to show them in."""
-    rows, columns = frames[0].shape[:2]
-    write_video(path, frames)
-    stored = path.read_bytes()
-    size = bytes([0xB0, 0x81, columns, 0xBA, 0x81, rows])
-    kept = b"\x55\xee\x81\0"
-    before = b"\xe0\x8a" + size + b"\x54\xb2\x81\x04" + kept + b"\xec\x01" + bytes(6) + b"\2\0\0"
-    assert stored.count(before) == 1
-    shown = bytes([0x54, 0xB0, 0x81, width, 0x54, 0xBA, 0x81, height])
-    after = b"\xe0\x8e" + size + shown + kept
-    left = len(before) - len(after) - 2
-    path.write_bytes(stored.replace(before, after + bytes([0xEC, 0x80 + left]) + bytes(left)))
     return path
