@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from geotlm_lm.core.errors import MissingDependency, UnreadableClip
+from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.bags import BAG_SUFFIXES, ENCODINGS
 from geotlm_lm.recordings.listing import clips_in
@@ -31,7 +31,7 @@ from tests.recordings.bag_files import (
     text,
     write_bag,
 )
-from tests.recordings.test_read import colourful
+from tests.recordings.test_read import colourful, refusal
 
 FRAMES = colourful(count=9)
 GREY = np.stack(
@@ -139,13 +139,6 @@ def test_it_is_a_stream_and_one_recording_of_a_folder(bag, tmp_path):
     assert clips_in(tmp_path) == [tmp_path / "other.npy", bag]
     note = f"The topic {TOPIC} is not used: only bags have topics."
     assert read_clip(tmp_path / "other.npy", topic=TOPIC).notes[-1] == note
-
-
-def refusal(path, read=read_clip, **options):
-    with pytest.raises(UnreadableClip) as error:
-        read(path, **options)
-    assert str(error.value).startswith(f"{path}: ")
-    return str(error.value).removeprefix(f"{path}: ")
 
 
 def test_a_topic_that_is_open_or_not_there_is_refused_with_those_that_are(tmp_path):

@@ -2,8 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.listing import clips_in, skipped_in
+from tests.recordings.test_read import refusal
 
 
 def test_recordings_are_known_files_and_folders_of_images(tmp_path):
@@ -21,10 +21,8 @@ def test_a_folder_that_may_not_be_opened_is_refused(tmp_path, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr(Path, "iterdir", refuse)
-    with pytest.raises(UnreadableClip) as error:
-        clips_in(tmp_path)
-    assert str(error.value) == (
-        f"{tmp_path}: cannot be opened (Permission denied); check its permissions."
+    assert refusal(tmp_path, clips_in) == (
+        "cannot be opened (Permission denied); check its permissions."
     )
 
 
@@ -53,6 +51,4 @@ def test_what_is_no_folder_of_recordings_is_refused(tmp_path, name, sentence):
     (tmp_path / "frames").mkdir()
     for image in ("0.png", "1.PNG", "notes.txt"):
         (tmp_path / "frames" / image).write_bytes(b"")
-    with pytest.raises(UnreadableClip) as error:
-        clips_in(tmp_path / name)
-    assert str(error.value) == f"{tmp_path / name}: {sentence}"
+    assert refusal(tmp_path / name, clips_in) == sentence

@@ -44,6 +44,14 @@ def levels(count):
     return [np.full((24, 32, 3), 10 * number, np.uint8) for number in range(count)]
 
 
+def refusal(path, read=read_clip, **options):
+    """Return the sentence that refuses a path, behind its name."""
+    with pytest.raises(UnreadableClip) as error:
+        read(path, **options)
+    assert str(error.value).startswith(f"{path}: ")
+    return str(error.value).removeprefix(f"{path}: ")
+
+
 STORED = {
     "uint8": FRAMES,
     "unit float": FRAMES / np.float32(255),
