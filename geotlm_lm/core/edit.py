@@ -81,11 +81,7 @@ class Edit:
 
     @classmethod
     def of(cls, *words: str) -> Edit:
-        """Return the edit of some `EDIT_WORDS`, done one after the other.
-
-        Raises:
-            KeyError: If a word is none of them.
-        """
+        """Return the edit of some `EDIT_WORDS`, done one after the other."""
         edit = cls()
         for word in words:
             if word in _FLAGS:
@@ -116,11 +112,9 @@ class Edit:
         return Twist(*(float(one) for one in self.matrix @ np.array(old)))
 
     def of_label(self, label: MotionLabel) -> MotionLabel:
-        """Return the truth about the edited clip.
+        """Return the truth about the clip mirrored or turned by a half.
 
-        Raises:
-            ValueError: If the image is turned by a quarter, or time or the mover is another: what
-                is measured of the first and the last frame does not tell that.
+        What is measured of the first and the last frame tells of no other edit.
         """
         if self.rotation[1] or self.backwards or self.undo or self.sensor:
             raise ValueError(f"a label is mirrored or turned by a half, found {self.words}")

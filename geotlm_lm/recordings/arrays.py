@@ -169,11 +169,7 @@ def _picture_rank(archive: zipfile.ZipFile, key: str, name: str) -> int:
 
 
 def map_array(path: Path) -> NDArray:
-    """Return the array in a .npy file without reading its numbers yet; Python objects never.
-
-    Raises:
-        UnreadableClip: If the file is cut off, damaged, declares too much, or holds objects.
-    """
+    """Return the array in a .npy file without reading its numbers yet; Python objects never."""
     with _refusing_damage(str(path)):
         with path.open("rb") as stream:
             shape, _, dtype = _read_header(stream, str(path))

@@ -69,10 +69,8 @@ FINE_SIDE = 32
 def require_legible(clip: Clip) -> Clip:
     """Return a few frames beside their background, unless they hold no picture of a gel.
 
-    Raises:
-        UnreadableClip: If the frames are tiny, one is mostly black, dim or overexposed, if they are
-            mostly noise, or if their brightness is far from the background's or changes within the
-            clip.
+    Refused are tiny frames, one mostly black, dim or overexposed, frames that are mostly noise, or
+    whose brightness is far from the background's or changes within the clip.
     """
     height, width = clip.frames.shape[1:3]
     if min(height, width) < FEWEST_PX:

@@ -40,10 +40,7 @@ HEADER_BYTES = 2**20
 def clips_in(folder: Path) -> list[Path]:
     """Return every recording of a folder, by name: known files, bags, folders of images.
 
-    A TIFF counts as one where it has several pages.
-
-    Raises:
-        UnreadableClip: If there is no such folder, or no recording in it.
+    A TIFF counts as one where it has several pages. A folder without any is refused.
     """
     seen = _seen_in(folder)
     recordings = [path for path in seen if _is_recording(path)]

@@ -121,9 +121,6 @@ def read_background(path: str | Path, order: Order = "RGB") -> Frames:
     """Return the idle gel in an image or .npy file, uint8, shape (rows, columns, 3).
 
     The order is that of the colours in an array; those of an image are known.
-
-    Raises:
-        UnreadableClip: If the file is missing or holds no single image.
     """
     path = _path_of(path, "an image's")
     require_file(path, "an image")
