@@ -60,11 +60,6 @@ def test_shading_without_relief_does_not_integrate():
     assert np.abs(of_curl).max() < 0.02 * np.abs(of_bump).max()
 
 
-def test_an_untouched_gel_is_flat():
-    (flat,) = reliefs([np.zeros((RELIEF_SIDE, RELIEF_SIDE, 3), np.float32)])
-    assert not flat.any()
-
-
 def test_under_mirrored_lights_the_relief_does_not_turn_inside_out():
     y, x = places()
     ridge = 100 * np.exp(-((x - y) ** 2) / 20 - (x + y) ** 2 / 250)
