@@ -37,15 +37,9 @@ EVEN_PX, EVEN_FLOOR_GREY = 6.0, 2.0
 
 @dataclass(frozen=True)
 class Rigid:
-    """A turn about a picture's middle, then a shift, pixels being square.
+    """A turn about a picture's middle, then a shift, pixels being square."""
 
-    Args:
-        turn_rad: Positive clockwise as drawn.
-        right_px: Shift to the right.
-        down_px: Shift down.
-    """
-
-    turn_rad: float = 0.0
+    turn_rad: float = 0.0  # positive clockwise as drawn
     right_px: float = 0.0
     down_px: float = 0.0
 
@@ -77,20 +71,14 @@ class Rigid:
 
 @dataclass(frozen=True, eq=False)
 class Aligned:
-    """How a picture is laid on an earlier one.
+    """How a picture is laid on an earlier one."""
 
-    Args:
-        motion: From the earlier to the later.
-        covariance: Of turn times half the picture's longer side, right and down, px^2, for a
-            residual of deviation 1; (3, 3).
-        residual: Deviation of what is left between the two, grey levels.
-        contrast: Deviation of the earlier one where they are compared, grey levels.
-    """
-
-    motion: Rigid
+    motion: Rigid  # from the earlier to the later
+    # Of turn times half the picture's longer side, right and down, px^2, for a residual of
+    # deviation 1; (3, 3).
     covariance: NDArray[np.float64]
-    residual: float
-    contrast: float
+    residual: float  # deviation of what is left between the two, grey levels
+    contrast: float  # deviation of the earlier one where they are compared, grey levels
 
     @property
     def correlation(self) -> float:

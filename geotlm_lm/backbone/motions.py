@@ -55,18 +55,13 @@ MOTIONS_SHAPE = (len(MEASURED), 7)
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The rigid motions to the last frame, about the middle of the view.
+    """The rigid motions to the last frame, about the middle of the view."""
 
-    Args:
-        twists: float32 (4, 3), one row for each of `MEASURED`: turn in rad, clockwise positive, way
-            to the right and down in pixels of the 224-pixel image.
-        deviations: Their standard deviations by the normal equations, (4, 3).
-        correlations: How much of the picture each explains, (4,).
-    """
-
+    # float32 (4, 3), one row for each of `MEASURED`: turn in rad, clockwise positive, way to the
+    # right and down in pixels of the 224-pixel image.
     twists: Floats
-    deviations: Floats
-    correlations: Floats
+    deviations: Floats  # their standard deviations by the normal equations, (4, 3)
+    correlations: Floats  # how much of the picture each explains, (4,)
 
     @classmethod
     def none(cls) -> Motions:

@@ -16,23 +16,14 @@ from geotlm_lm.dgr.regions import pool_regions, region_mass
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Every intermediate of DGR, so that probes, figures and answers need no hooks.
+    """Every intermediate of DGR, so that probes, figures and answers need no hooks."""
 
-    Args:
-        shear: Learned shear per time-bin, shape (b, k, gh, gw, 2), unitless (Eq. 2).
-        shear_change: Late bin minus early bin, shape (b, gh, gw, 2) (Eq. 3).
-        mask: Contact mask, mean over bins, shape (b, gh, gw), in [0, 1] (Eq. 4).
-        region_mass: Mean mask of each region, shape (b, 7), in [0, 1].
-        descriptor: The 14 numbers r: seven regions of x, then of y, shape (b, 14).
-        feature: Geometric feature g, shape (b, d) (Eq. 8).
-    """
-
-    shear: Tensor
-    shear_change: Tensor
-    mask: Tensor
-    region_mass: Tensor
-    descriptor: Tensor
-    feature: Tensor
+    shear: Tensor  # learned shear per time-bin, shape (b, k, gh, gw, 2), unitless (Eq. 2)
+    shear_change: Tensor  # late bin minus early bin, shape (b, gh, gw, 2) (Eq. 3)
+    mask: Tensor  # contact mask, mean over bins, shape (b, gh, gw), in [0, 1] (Eq. 4)
+    region_mass: Tensor  # mean mask of each region, shape (b, 7), in [0, 1]
+    descriptor: Tensor  # the 14 numbers r: seven regions of x, then of y, shape (b, 14)
+    feature: Tensor  # geometric feature g, shape (b, d) (Eq. 8)
 
 
 class DGR(nn.Module):

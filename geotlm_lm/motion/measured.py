@@ -38,18 +38,13 @@ SHEAR_SHARE = 1.5
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What is measured of each of b clips.
+    """What is measured of each of b clips."""
 
-    Args:
-        paths: Candidates, (b, CANDIDATES, 3): turn at the contact's radius, clockwise positive, and
-            travel of the contact's middle to the right and down; pixels of the 224-pixel image.
-        radius_px: Radius of the contact, (b,), likewise.
-        hints: What tells which candidate to trust, and what none of them does, (b, hints).
-    """
-
+    # Candidates, (b, CANDIDATES, 3): turn at the contact's radius, clockwise positive, and travel
+    # of the contact's middle to the right and down; pixels of the 224-pixel image.
     paths: Tensor
-    radius_px: Tensor
-    hints: Tensor
+    radius_px: Tensor  # radius of the contact, (b,), likewise
+    hints: Tensor  # what tells which candidate to trust, and what none of them does, (b, hints)
 
     def only(self, rows: Tensor | slice) -> Measured:
         """Return what is measured of some of the clips."""

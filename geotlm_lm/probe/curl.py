@@ -75,15 +75,10 @@ def imprint_travel(clip: Clip) -> tuple[Field, Field, tuple[float, float]]:
 
 @dataclass(frozen=True, eq=False)
 class CurlRegression:
-    """Logistic regression on the curl.
+    """Logistic regression on the curl."""
 
-    Args:
-        statistics: Of the training clips' features.
-        probe: The fitted layer.
-    """
-
-    statistics: Standardiser
-    probe: LinearProbe
+    statistics: Standardiser  # of the training clips' features
+    probe: LinearProbe  # the fitted layer
 
     @classmethod
     def fit(cls, clips: Iterable[Clip], motions: Sequence[Motion]) -> CurlRegression:

@@ -10,14 +10,10 @@ from torch import Tensor
 
 @dataclass(frozen=True, eq=False)
 class Standardiser:
-    """Shift and scale of each feature, fixed once fitted.
+    """Shift and scale of each feature, fixed once fitted."""
 
-    Args:
-        mean: Mean of each feature over the training rows, shape (d,).
-        scale: Standard deviation of each feature, shape (d,); 1 where the feature never varied.
-    """
-
-    mean: Tensor
+    mean: Tensor  # mean of each feature over the training rows, shape (d,)
+    # Standard deviation of each feature, shape (d,); 1 where the feature never varied.
     scale: Tensor
 
     @classmethod

@@ -115,14 +115,10 @@ def _folds(
 
 @dataclass(frozen=True)
 class Recipe:
-    """What is trained on a fold's tokens.
+    """What is trained on a fold's tokens."""
 
-    Args:
-        parts: The parts of DGR; None for the probe on the global token alone.
-        mode: Which losses shape DGR; `grounded` needs the mask, and rows with their truth.
-    """
-
-    parts: DGRParts | None = None
+    parts: DGRParts | None = None  # the parts of DGR; None for the probe on the global token alone
+    # Which losses shape DGR; `grounded` needs the mask, and rows with their truth.
     mode: DGRMode = "paper"
 
 

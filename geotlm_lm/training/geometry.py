@@ -42,24 +42,16 @@ that turn or slide."""
 
 @dataclass(frozen=True, eq=False)
 class TokenSet:
-    """Tokens of clips with the truth that shapes DGR.
+    """Tokens of clips with the truth that shapes DGR."""
 
-    Args:
-        tokens: Frozen backbone's tokens, unstandardised, float16 or float32.
-        shear_change: True change of displacement between the bins, px, shape (n, 14, 14, 2); None
-            where only the classification loss shapes DGR.
-        contact: True contact, mean over bins, shape (n, 14, 14); None likewise.
-        motions: Index into `ALL_MOTIONS`, shape (n,).
-        is_readable: Whether the motion leaves a trace, bool, shape (n,).
-        counts_motion: Whether the shear change is a target, bool, shape (n,).
-    """
-
-    tokens: Tokens
+    tokens: Tokens  # frozen backbone's tokens, unstandardised, float16 or float32
+    # True change of displacement between the bins, px, shape (n, 14, 14, 2); None where only the
+    # classification loss shapes DGR.
     shear_change: Tensor | None
-    contact: Tensor | None
-    motions: Tensor
-    is_readable: Tensor
-    counts_motion: Tensor
+    contact: Tensor | None  # true contact, mean over bins, shape (n, 14, 14); None likewise
+    motions: Tensor  # index into `ALL_MOTIONS`, shape (n,)
+    is_readable: Tensor  # whether the motion leaves a trace, bool, shape (n,)
+    counts_motion: Tensor  # whether the shear change is a target, bool, shape (n,)
 
     @classmethod
     def of(

@@ -34,23 +34,14 @@ OPEN_TYPE = "T1"
 
 @dataclass(frozen=True, eq=False)
 class ClipSet:
-    """Perceived clips with their truth.
+    """Perceived clips with their truth."""
 
-    Args:
-        fused_tokens: z, shape (n, d).
-        global_tokens: c, shape (n, d).
-        contact_share: Mean contact mask, shape (n,).
-        measured: What is measured of each clip's motion.
-        labels: The truth of each clip.
-        objects: Name of the touched object of each clip.
-    """
-
-    fused_tokens: Tensor
-    global_tokens: Tensor
-    contact_share: NDArray[np.floating]
-    measured: Measured
+    fused_tokens: Tensor  # z, shape (n, d)
+    global_tokens: Tensor  # c, shape (n, d)
+    contact_share: NDArray[np.floating]  # mean contact mask, shape (n,)
+    measured: Measured  # what is measured of each clip's motion
     labels: Sequence[MotionLabel]
-    objects: Sequence[str]
+    objects: Sequence[str]  # name of the touched object of each clip
 
     def readable(self) -> list[int]:
         """Return the rows whose motion leaves a trace in the image."""

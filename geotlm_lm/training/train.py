@@ -168,21 +168,13 @@ def _provenance(settings: TrainingPreset, seed: int, workers: int, ranks: Ranks)
 
 @dataclass(frozen=True)
 class Seen:
-    """What a training has made of its backbone, and how it sees the clips.
-
-    Args:
-        model: Backbone, DGR and probes.
-        motion: The network whose beliefs everything is answered from.
-        accuracies: Of each way of training DGR, on validation objects.
-        learned: The clips that motion and language learn from.
-        validation: The clips of objects that no weight has seen.
-    """
+    """What a training has made of its backbone, and how it sees the clips."""
 
     model: GeoTLM
-    motion: MotionNetwork
-    accuracies: Mapping[str, float]
-    learned: ClipSet
-    validation: ClipSet
+    motion: MotionNetwork  # the network whose beliefs everything is answered from
+    accuracies: Mapping[str, float]  # of each way of training DGR, on validation objects
+    learned: ClipSet  # the clips that motion and language learn from
+    validation: ClipSet  # the clips of objects that no weight has seen
 
     def readings(self) -> tuple[Tensor, Sequence[MotionLabel]]:
         """Return what the language model reads of the clips it learns from, and their truth."""
