@@ -58,12 +58,7 @@ class Rigid:
         return Rigid(-self.turn_rad, x, y)
 
     def travel(self, x_px: float, y_px: float) -> tuple[float, float]:
-        """Return how far the point that is now at a place has come, right and down.
-
-        Args:
-            x_px: Place to the right of the picture's middle.
-            y_px: Place below it.
-        """
+        """Return how far what is now right of and below the middle has come, right and down."""
         cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
         x, y = x_px - self.right_px, y_px - self.down_px
         return x_px - (cos * x + sin * y), y_px - (-sin * x + cos * y)
@@ -88,11 +83,7 @@ class Aligned:
 
 
 class _Level:
-    """A picture at one size, and what its gradients tell of motion, once somebody asks.
-
-    Args:
-        image: The picture.
-    """
+    """A picture at one size, and what its gradients tell of motion, once somebody asks."""
 
     def __init__(self, image: Floats) -> None:
         self.image = image
@@ -182,12 +173,7 @@ class Picture:
 
     @classmethod
     def of(cls, image: Floats, levels: int = LEVELS) -> Picture:
-        """Prepare a grey picture.
-
-        Args:
-            image: float32, any size, best some 100 to 160 pixels wide.
-            levels: Sizes at which it is aligned.
-        """
+        """Prepare a grey picture of any size, best some 100 to 160 pixels wide."""
         sizes = [cv2.GaussianBlur(image - _slow(image, HIGH_PASS_PX), (0, 0), 1.0)]
         for _ in range(levels - 1):
             rows, columns = sizes[0].shape
@@ -227,11 +213,11 @@ def align(
     least_weight: float = LEAST_WEIGHT,
     levels: int | None = None,
 ) -> Aligned:
-    """Return the motion that lays `before` on `after`.
+    """Return the motion that lays `before` on `after`, which is of the same size.
 
     Args:
         before: Earlier picture.
-        after: Later picture, of the same size.
+        after: Later picture.
         start: Where to begin; None at rest.
         still_grey: Difference of the two, in their units, at which a pixel weighs half; None weighs
             all alike. A domed pad holds a flat object's outline where it is while the object turns:

@@ -83,9 +83,8 @@ class ImageViT(nn.Module):
     def forward(self, pixels: Tensor, sensors: Tensor | None = None) -> Tensor:
         """Return all tokens after the last block, before any norm, shape (b, n, d).
 
-        Args:
-            pixels: What the stem reads: (b, 3, rows, columns), or (b, 3, depth, rows, columns).
-            sensors: Row of the sensor tokens of each clip, shape (b,); -1 is the last row.
+        Pixels are (b, 3, rows, columns), or (b, 3, depth, rows, columns); `sensors` are the rows of
+        each clip's sensor tokens, (b,).
         """
         tokens = self.embed(pixels, sensors)
         for block in self.blocks:

@@ -32,13 +32,7 @@ class DGRParts:
 
 
 class AblatedDGR(DGR):
-    """DGR of chosen parts; with the parts of the paper it is `DGR`.
-
-    Args:
-        width: Width of a patch token.
-        feature_width: Width of the feature; None for `width`.
-        parts: What there is.
-    """
+    """DGR of chosen parts; with the parts of the paper it is `DGR`."""
 
     def __init__(self, width: int, feature_width: int | None, parts: DGRParts) -> None:
         super().__init__(width, feature_width)

@@ -15,12 +15,9 @@ _HALF_TERMS = ("upper", "lower", "left", "right", "global")
 def pool_regions(field: Tensor, mask: Tensor) -> Tensor:
     """Average `field` over seven regions, weighted by the contact mask (Eqs. 5-7).
 
-    Args:
-        field: One component of the shear change, shape (b, gh, gw), unitless.
-        mask: Contact confidence in [0, 1], shape (b, gh, gw); weights, never gates.
-
-    Returns:
-        Regional means in float32 or better, shape (b, 7), columns in the order of `REGIONS`.
+    The field is one component of the shear change, the mask the contact confidence in [0, 1], which
+    weighs and never gates; both (b, gh, gw). Means are in float32 or better, (b, 7), in the order
+    of `REGIONS`.
     """
     field, mask = _at_least_float32(field), _at_least_float32(mask)
     weighted, mass = _regional_sums(field * mask), _regional_sums(mask)
@@ -43,11 +40,7 @@ def region_mass(mask: Tensor) -> Tensor:
     A mass-normalised mean reads the same whether a region is fully or barely touched, so whoever
     uses the descriptor needs this beside it. A differenced region has the mass of its lighter half.
 
-    Args:
-        mask: Contact confidence in [0, 1], shape (b, gh, gw).
-
-    Returns:
-        Shape (b, 7), columns in the order of `REGIONS`.
+    Of masks (b, gh, gw) in [0, 1] they are (b, 7), in the order of `REGIONS`.
     """
     rows, columns = mask.shape[-2:]
     mass = _regional_sums(_at_least_float32(mask))

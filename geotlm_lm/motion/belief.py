@@ -95,10 +95,7 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
 
     A motion turns round with the clip; what a growing contact looks like does not, and cancels.
     How far the two are apart widens the spread. A way that only one of them finds hardly counts.
-
-    Args:
-        belief: Of the clip; its press and its contact stay as they are.
-        backwards: Of the clip played backwards.
+    Press and contact stay as they are.
     """
     other = backwards.seen(BACKWARDS)
     one, two = (np.array([x.turn_deg, x.right_px, x.down_px]) for x in (belief.mean, other.mean))

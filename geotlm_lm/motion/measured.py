@@ -70,12 +70,9 @@ def measured(
 ) -> Measured:
     """Lay out what is measured of b clips.
 
-    Args:
-        inputs: What the stem made of them, (b, 2, 14, 14, PATCH_INPUT_DIM).
-        motions: The rigid motions to the last frame, (b, 4, 7), as `Motions.numbers` has them.
-        geometry: What DGR made of their tokens.
-        fused_token: z, (b, d).
-        aspect: Width of a pixel over its height: a turn is rigid on the gel.
+    Inputs are (b, 2, 14, 14, PATCH_INPUT_DIM); motions, to the last frame, (b, 4, 7), as
+    `Motions.numbers` has them; the fused token is z, (b, d); `aspect` is the width of a pixel over
+    its height: a turn is rigid on the gel.
     """
     inputs, motions = inputs.float(), motions.float()
     side = IMAGE_SIDE * (-inputs[:, 0, 0, 0, MAGNIFICATION_AT]).exp()
@@ -193,14 +190,9 @@ def rigid_motions(
 
     The same closed form as `probe.rigid_fit.fit_rigid`, for many fields at once.
 
-    Args:
-        field: Displacement in units of `FLOW_SCALE_PX`, (b, gh, gw, 2), x right, y down.
-        weight: (b, gh, gw), not negative.
-        aspect: Width of a pixel over its height: a turn is rigid on the gel.
-
-    Returns:
-        Turns in rad, (b,), positive clockwise as drawn, and slides in pixels of the view, (b, 2).
-        Zeros where there is no weight.
+    Fields are in units of `FLOW_SCALE_PX`, (b, gh, gw, 2), x right, y down; weights (b, gh, gw) are
+    not negative. Turns are in rad, (b,), positive clockwise as drawn, and slides in pixels of the
+    view, (b, 2); zeros where there is no weight.
     """
     share = weight / weight.sum(dim=(1, 2), keepdim=True).clamp(min=1e-6)
     step_x, step_y = (field * FLOW_SCALE_PX).unbind(dim=-1)

@@ -120,9 +120,6 @@ class MotionNetwork(nn.Module):
     """Fuse what is measured.
 
     Its deviations are widened so that spans hold nine in ten on objects that it has not seen.
-
-    Args:
-        hints: Numbers that `Measured.hints` holds.
     """
 
     def __init__(self, hints: int) -> None:
@@ -178,12 +175,9 @@ class MotionNetwork(nn.Module):
 
 
 def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Belief:
-    """Return what is believed of one clip as a value to answer from.
+    """Return what is believed of one of the clips as a value to answer from.
 
-    Args:
-        beliefs: Of b clips.
-        place: Which of them.
-        doubt: What widens the spread and flattens the probabilities.
+    Doubt widens the spread and flattens the probabilities.
     """
     one = Beliefs(*(value[place : place + 1] for value in vars(beliefs).values()))
     numbers = tuple(one.vector()[0].tolist())

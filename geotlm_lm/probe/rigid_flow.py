@@ -65,9 +65,8 @@ class RigidFlow:
     def fit(self, clip: Clip, background: Frames | None = None) -> RigidMotion:
         """Measure the rigid motion of the imprint, summed over neighbouring frames.
 
-        Args:
-            clip: Frames in time order; frames larger than `LONGEST_SIDE` are shrunk to it.
-            background: The idle gel; None takes the clip's own, and without one the mean frame.
+        Frames larger than `LONGEST_SIDE` are shrunk to it. Without a background the clip's own is
+        the idle gel, and without one the mean frame.
         """
         fields, contrast, shrink = self.displacements(clip, background)
         total = np.zeros(3)
@@ -111,16 +110,7 @@ class RigidFlow:
         among: Iterable[Motion] = DIRECTED,
         background: Frames | None = None,
     ) -> Motion:
-        """Return the motion, among those asked about, that the rigid fit speaks for.
-
-        Args:
-            clip: Frames in time order.
-            among: The motions in question.
-            background: As in `fit`.
-
-        Raises:
-            ValueError: If `among` is empty.
-        """
+        """Return the motion, among those asked about, that the rigid fit speaks for."""
         return classify_motion(self.fit(clip, background), among)
 
 

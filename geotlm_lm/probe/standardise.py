@@ -20,11 +20,7 @@ class Standardiser:
     def fit(cls, features: Tensor) -> Standardiser:
         """Measure mean and standard deviation of the training rows.
 
-        Args:
-            features: Rows of the training split and of no other, shape (n, d), n >= 1.
-
-        Raises:
-            ValueError: If there is no row, or the features are not a matrix.
+        Features are (n, d), n >= 1: rows of the training split and of no other.
         """
         if features.ndim != 2 or not len(features):
             raise ValueError(f"expected features (n, d) with n >= 1, found {tuple(features.shape)}")

@@ -103,18 +103,9 @@ def train_geometry(
 ) -> GeometryModel:
     """Train DGR and the probe on `train`; keep the epoch that is best on `validation`.
 
-    Args:
-        train: Training split; the standardisers see nothing else.
-        validation: Other objects than in training.
-        mode: Which losses shape DGR.
-        read_outs: The linear maps to displacement and contact that the backbone was pretrained
-            through; grounded shear and mask start from them, being the same maps. None will do
-            for `paper`.
-        epochs: Epochs over the training split.
-        seed: Root seed.
-        path: Checkpoint.
-        device: Where to train.
-        progress: Called after each epoch.
+    The standardisers see nothing but `train`; the objects of `validation` are others. Grounded
+    shear and mask start from the read-outs, the same linear maps to displacement and contact, that
+    the backbone was pretrained through; None will do for `paper`.
 
     Raises:
         UsageError: If the checkpoint was trained on other tokens.
