@@ -50,6 +50,15 @@ class Rigid:
         y = sin * first.right_px + cos * first.down_px + self.down_px
         return Rigid(self.turn_rad + first.turn_rad, x, y)
 
+    def matrix(self, rows: int, columns: int) -> NDArray[np.float64]:
+        """Return where a picture's pixels go, (2, 3), as OpenCV warps by it."""
+        x, y = (columns - 1) / 2, (rows - 1) / 2
+        cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
+        right, down = x + self.right_px, y + self.down_px
+        return np.array(
+            [[cos, -sin, right - cos * x + sin * y], [sin, cos, down - sin * x - cos * y]]
+        )
+
     def inverse(self) -> Rigid:
         """Return the motion that takes this one back."""
         cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
@@ -250,19 +259,12 @@ def _refined(
 ) -> tuple[Rigid, Floats]:
     """Return the motion after Gauss-Newton steps, and what is left of each pixel compared."""
     rows, columns = level.image.shape
-    x, y = (columns - 1) / 2, (rows - 1) / 2
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     solve, (still_grey, least) = level.solver, weights
     if still_grey is not None:
         solve = level.solver_of_change(later, still_grey, least)
     for _ in range(ITERATIONS):
-        cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
-        way = np.array(
-            [
-                [cos, -sin, x + motion.right_px - cos * x + sin * y],
-                [sin, cos, y + motion.down_px - sin * x - cos * y],
-            ]
-        )
+        way = motion.matrix(rows, columns)
         warped = cv2.warpAffine(later, way, (columns, rows), flags=flags)
         error = warped.ravel()[level.compared] - level.values
         turn, right, down, gain, offset = (solve @ error).tolist()

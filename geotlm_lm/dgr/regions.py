@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import torch
 from torch import Tensor
 
@@ -22,16 +24,7 @@ def pool_regions(field: Tensor, mask: Tensor) -> Tensor:
     field, mask = _at_least_float32(field), _at_least_float32(mask)
     weighted, mass = _regional_sums(field * mask), _regional_sums(mask)
     mean = {name: weighted[name] / (mass[name] + MASS_FLOOR) for name in _HALF_TERMS}
-    columns = (
-        mean["upper"],
-        mean["lower"],
-        mean["upper"] - mean["lower"],
-        mean["left"],
-        mean["right"],
-        mean["left"] - mean["right"],
-        mean["global"],
-    )
-    return torch.stack(columns, dim=-1)
+    return _in_order(mean, torch.sub)
 
 
 def region_mass(mask: Tensor) -> Tensor:
@@ -50,16 +43,13 @@ def region_mass(mask: Tensor) -> Tensor:
         "right": rows * columns - cells["left"],
     }
     mean = {name: mass[name] / cells[name] for name in _HALF_TERMS}
-    ordered = (
-        mean["upper"],
-        mean["lower"],
-        torch.minimum(mean["upper"], mean["lower"]),
-        mean["left"],
-        mean["right"],
-        torch.minimum(mean["left"], mean["right"]),
-        mean["global"],
-    )
-    return torch.stack(ordered, dim=-1)
+    return _in_order(mean, torch.minimum)
+
+
+def _in_order(mean: dict[str, Tensor], differenced: Callable[[Tensor, Tensor], Tensor]) -> Tensor:
+    upper, lower, left, right, whole = (mean[name] for name in _HALF_TERMS)
+    rows, columns = differenced(upper, lower), differenced(left, right)
+    return torch.stack((upper, lower, rows, left, right, columns, whole), dim=-1)
 
 
 def _regional_sums(field: Tensor) -> dict[str, Tensor]:

@@ -16,11 +16,16 @@ from geotlm_lm.backbone.relief import (
     turned_by_a_quarter,
 )
 
-MIDDLE = (RELIEF_SIDE - 1) / 2
-
 
 def places():
-    return np.mgrid[:RELIEF_SIDE, :RELIEF_SIDE] - MIDDLE
+    return np.mgrid[:RELIEF_SIDE, :RELIEF_SIDE] - (RELIEF_SIDE - 1) / 2
+
+
+def relief():
+    """A twisted bump: its mirror image is another one."""
+    y, x = places()
+    bar = np.exp(-((x - y) ** 2) / 25 - (x + y) ** 2 / 375)
+    return 100 * (bar + 0.7 * np.exp(-((x - 10) ** 2 + (y - 2.5) ** 2) / 15)).astype(np.float32)
 
 
 def bump(radius_px):
@@ -82,13 +87,6 @@ def test_noise_and_a_flat_gel_are_not_inside_out():
     assert not is_inside_out(0 * noise)
 
 
-def relief():
-    """A twisted bump: its mirror image is another one."""
-    y, x = np.mgrid[:RELIEF_SIDE, :RELIEF_SIDE] - (RELIEF_SIDE - 1) / 2
-    bar = np.exp(-((x - y) ** 2) / 25 - (x + y) ** 2 / 375)
-    return 100 * (bar + 0.7 * np.exp(-((x - 10) ** 2 + (y - 2.5) ** 2) / 15)).astype(np.float32)
-
-
 def shaded(depth, aspect=1.0):
     """Shade a relief as the usual lights do, with slopes s = -grad d on the gel."""
     slope_y, slope_x = (-one for one in np.gradient(depth))
@@ -132,7 +130,7 @@ def test_a_grey_picture_and_one_of_one_colour_tell_no_lights_apart(colours):
 
 
 def test_a_grey_picture_gets_the_colours_of_slopes_towards_one_light():
-    y, x = np.mgrid[:RELIEF_SIDE, :RELIEF_SIDE] - (RELIEF_SIDE - 1) / 2
+    y, x = places()
     ridge = 100 * np.exp(-((x - y) ** 2) / 50)  # falls towards the upper right and lower left
     slope_y, slope_x = (-one for one in np.gradient(ridge))
     grey = SHADE_GREY * (slope_x - slope_y) / 2**0.5
