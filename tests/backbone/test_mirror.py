@@ -20,7 +20,6 @@ def seen(clip):
 
 
 def turned_over(clip, mirror):
-    """The clip's own frames in the mirror."""
     frames = np.flip(clip.frames, 1 + mirror.value)
     background = np.flip(clip.background, mirror.value)
     return replace(

@@ -21,7 +21,6 @@ SIZES = {
 
 
 def flat_clip(colours, idle=(100, 120, 140), size=(240, 320)):
-    """A clip whose frames are of one colour each."""
     frames = np.array(colours, np.uint8)[:, None, None, :] * np.ones((1, *size, 1), np.uint8)
     return Clip(frames, background=np.full((*size, 3), idle, np.uint8))
 
@@ -70,7 +69,6 @@ def test_unit_sees_blue_first_between_0_and_1():
 
 
 def marked_clip(row, column, size=(240, 320)):
-    """A grey clip with a bright square around one point."""
     frame = np.full((*size, 3), 100, np.uint8)
     frame[max(row - 8, 0) : row + 8, max(column - 8, 0) : column + 8] = 250
     return Clip(np.stack([frame] * 4), background=np.full((*size, 3), 100, np.uint8))

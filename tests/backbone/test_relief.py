@@ -57,7 +57,6 @@ def test_a_squashed_picture_gives_the_relief_of_the_gel():
 
 
 def test_shading_without_relief_does_not_integrate():
-    """A field of pure curl is the shading of no relief."""
     slope_y, slope_x = np.gradient(100 * bump(3))
     curl = np.stack([-SHADE_Y * slope_x, -SHADE_X * slope_y, 0 * slope_x], axis=-1)
     (of_curl,) = reliefs([curl.astype(np.float32)])

@@ -114,7 +114,6 @@ def test_a_clip_without_background_is_refused():
 
 
 def imprint_at(x, y, sigma_px):
-    """A clip with one textured imprint around (x, y)."""
     rng = np.random.default_rng(0)
     texture = cv2.GaussianBlur(rng.normal(size=(224, 224)).astype(np.float32), (0, 0), 2)
     rows, columns = np.mgrid[:224, :224]

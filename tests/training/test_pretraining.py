@@ -15,26 +15,29 @@ from geotlm_lm.training import pretraining
 from geotlm_lm.training.config import SMOKE
 from geotlm_lm.training.pretraining import DenseHeads, DenseTruth, dense_loss, pretrain
 from geotlm_lm.training.truth import component_truth
+from tests.training.shared_steps import random_examples
 
 TINY = replace(SMOKE, backbone_width=8, backbone_depth=1, pretraining_batch=4, pretraining_draws=24)
 
 
-def weights_after(examples, folder, seed=0, progress=lambda *_: None):
-    backbone, _ = pretrain(examples, preset=TINY, seed=seed, folder=folder, progress=progress)
+def weights_after(folder, seed=0, progress=lambda *_: None):
+    backbone, _ = pretrain(
+        random_examples(), preset=TINY, seed=seed, folder=folder, progress=progress
+    )
     return {name: value.clone() for name, value in backbone.vit.state_dict().items()}
 
 
-def test_an_interrupted_run_ends_where_an_unbroken_one_does(tiny_examples, tmp_path):
+def test_an_interrupted_run_ends_where_an_unbroken_one_does(tmp_path):
     def interrupted(_, done, steps):
         if done == steps // 2:
             raise KeyboardInterrupt
 
-    unbroken = weights_after(tiny_examples, tmp_path / "unbroken")
+    unbroken = weights_after(tmp_path / "unbroken")
     with pytest.raises(KeyboardInterrupt):
-        weights_after(tiny_examples, tmp_path / "broken", progress=interrupted)
-    continued = weights_after(tiny_examples, tmp_path / "broken")
+        weights_after(tmp_path / "broken", progress=interrupted)
+    continued = weights_after(tmp_path / "broken")
     assert all(torch.equal(unbroken[name], continued[name]) for name in unbroken)
-    other = weights_after(tiny_examples, tmp_path / "other", seed=1)
+    other = weights_after(tmp_path / "other", seed=1)
     assert not torch.equal(unbroken["embed.weight"], other["embed.weight"])
 
 
