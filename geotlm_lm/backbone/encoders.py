@@ -259,11 +259,7 @@ TRUNK_MARK: Axes = {"blocks.0.attn.qkv.weight": 2, "norm.weight": 1, T3_STEM: No
 
 
 def with_trunk(path: Path, tensors: Tensors) -> Tensors:
-    """Add the trunk's tensors to a sensor's encoder, and tell both apart by a prefix.
-
-    Raises:
-        IncompatibleWeights: If the encoder has no trunk beside it, or this is the trunk.
-    """
+    """Add the trunk's tensors to a sensor's encoder, and tell both apart by a prefix."""
     if has_axes(tensors, TRUNK_MARK):
         raise IncompatibleWeights(
             f"{path}: is T3's trunk, expected the encoder of a sensor; give that file, "

@@ -158,11 +158,7 @@ def encoder_row(name: str) -> EncoderRow:
 
 
 def detect_encoder(path: Path, tensors: Tensors) -> EncoderRow:
-    """Return the one encoder a file's names and shapes belong to.
-
-    Raises:
-        IncompatibleWeights: If there is none.
-    """
+    """Return the one encoder that names and shapes of a file fit, or refuse the file."""
     rows = [
         row
         for row in ENCODERS.values()
@@ -201,10 +197,6 @@ def fitted(
     """Return the empty module, the size of its images, and by our name what each weight is made of.
 
     Every name of the file must be accounted for, and every shape right; values are not looked at.
-
-    Raises:
-        IncompatibleWeights: If a name is missing or unexpected, a shape is wrong, or no module can
-            have the sizes of the file.
     """
     tensors = _own_tensors(row, tensors)
     own = _without_constants(row, tensors, path)

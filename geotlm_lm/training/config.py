@@ -145,11 +145,7 @@ HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
 
 
 def preset_named(name: str, presets: dict[str, Preset] = PRESETS) -> Preset:
-    """Return the preset called `name`.
-
-    Raises:
-        UsageError: If there is none.
-    """
+    """Return the preset called `name`, or raise a UsageError that lists them."""
     if name not in presets:
         raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(presets)}.")
     return presets[name]

@@ -65,9 +65,6 @@ def object_folds(objects: Labels, fold_count: int, *, seed: int) -> list[Fold]:
     """Deal the objects of rows into folds of nearly equal object count; each is held out once.
 
     Of the objects not held out `VALIDATION_SHARE` become validation objects, at least one.
-
-    Raises:
-        ValueError: If the objects do not suffice for three disjoint parts in each fold.
     """
     codes, names = group_codes(objects)
     if not 2 <= fold_count <= len(names) or len(names) < 3:
@@ -80,11 +77,7 @@ def object_folds(objects: Labels, fold_count: int, *, seed: int) -> list[Fold]:
 
 
 def leave_one_object_out(objects: Labels, *, seed: int) -> list[Fold]:
-    """Hold out each object once, in order of first appearance.
-
-    Raises:
-        ValueError: If there are fewer than three objects.
-    """
+    """Hold out each object once, in order of first appearance."""
     codes, names = group_codes(objects)
     if len(names) < 3:
         raise ValueError(f"three disjoint parts need at least 3 objects; found {len(names)}")

@@ -106,9 +106,6 @@ def train_geometry(
     The standardisers see nothing but `train`; the objects of `validation` are others. Grounded
     shear and mask start from the read-outs, the same linear maps to displacement and contact, that
     the backbone was pretrained through; None will do for `paper`.
-
-    Raises:
-        UsageError: If the checkpoint was trained on other tokens.
     """
     width, count = train.tokens.global_token.shape[-1], len(train.tokens)
     dgr, probe = DGR(train.tokens.patches.shape[-1], width), LinearProbe(width, ALL_MOTIONS)

@@ -110,9 +110,6 @@ def encode_examples(
     """Return the clips of `wanted`, simulating and encoding those that are not yet in `folder`.
 
     The folder holds tokens of this encoder alone; seed and name decide every clip.
-
-    Raises:
-        UsageError: If tokens are too large for half precision.
     """
     folder.mkdir(parents=True, exist_ok=True)
     about, path = folder / f"{wanted.stage}.jsonl", folder / f"{wanted.stage}.npy"
