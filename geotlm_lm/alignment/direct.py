@@ -37,15 +37,9 @@ EVEN_PX, EVEN_FLOOR_GREY = 6.0, 2.0
 
 @dataclass(frozen=True)
 class Rigid:
-    """A turn about a picture's middle, then a shift, pixels being square.
+    """A turn about a picture's middle, then a shift, pixels being square."""
 
-    Args:
-        turn_rad: Positive clockwise as drawn.
-        right_px: Shift to the right.
-        down_px: Shift down.
-    """
-
-    turn_rad: float = 0.0
+    turn_rad: float = 0.0  # positive clockwise as drawn
     right_px: float = 0.0
     down_px: float = 0.0
 
@@ -56,6 +50,15 @@ class Rigid:
         y = sin * first.right_px + cos * first.down_px + self.down_px
         return Rigid(self.turn_rad + first.turn_rad, x, y)
 
+    def matrix(self, rows: int, columns: int) -> NDArray[np.float64]:
+        """Return where a picture's pixels go, (2, 3), as OpenCV warps by it."""
+        x, y = (columns - 1) / 2, (rows - 1) / 2
+        cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
+        right, down = x + self.right_px, y + self.down_px
+        return np.array(
+            [[cos, -sin, right - cos * x + sin * y], [sin, cos, down - sin * x - cos * y]]
+        )
+
     def inverse(self) -> Rigid:
         """Return the motion that takes this one back."""
         cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
@@ -64,12 +67,7 @@ class Rigid:
         return Rigid(-self.turn_rad, x, y)
 
     def travel(self, x_px: float, y_px: float) -> tuple[float, float]:
-        """Return how far the point that is now at a place has come, right and down.
-
-        Args:
-            x_px: Place to the right of the picture's middle.
-            y_px: Place below it.
-        """
+        """Return how far what is now right of and below the middle has come, right and down."""
         cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
         x, y = x_px - self.right_px, y_px - self.down_px
         return x_px - (cos * x + sin * y), y_px - (-sin * x + cos * y)
@@ -77,20 +75,14 @@ class Rigid:
 
 @dataclass(frozen=True, eq=False)
 class Aligned:
-    """How a picture is laid on an earlier one.
+    """How a picture is laid on an earlier one."""
 
-    Args:
-        motion: From the earlier to the later.
-        covariance: Of turn times half the picture's longer side, right and down, px^2, for a
-            residual of deviation 1; (3, 3).
-        residual: Deviation of what is left between the two, grey levels.
-        contrast: Deviation of the earlier one where they are compared, grey levels.
-    """
-
-    motion: Rigid
+    motion: Rigid  # from the earlier to the later
+    # Of turn times half the picture's longer side, right and down, px^2, for a residual of
+    # deviation 1; (3, 3).
     covariance: NDArray[np.float64]
-    residual: float
-    contrast: float
+    residual: float  # deviation of what is left between the two, grey levels
+    contrast: float  # deviation of the earlier one where they are compared, grey levels
 
     @property
     def correlation(self) -> float:
@@ -100,11 +92,7 @@ class Aligned:
 
 
 class _Level:
-    """A picture at one size, and what its gradients tell of motion, once somebody asks.
-
-    Args:
-        image: The picture.
-    """
+    """A picture at one size, and what its gradients tell of motion, once somebody asks."""
 
     def __init__(self, image: Floats) -> None:
         self.image = image
@@ -194,12 +182,7 @@ class Picture:
 
     @classmethod
     def of(cls, image: Floats, levels: int = LEVELS) -> Picture:
-        """Prepare a grey picture.
-
-        Args:
-            image: float32, any size, best some 100 to 160 pixels wide.
-            levels: Sizes at which it is aligned.
-        """
+        """Prepare a grey picture of any size, best some 100 to 160 pixels wide."""
         sizes = [cv2.GaussianBlur(image - _slow(image, HIGH_PASS_PX), (0, 0), 1.0)]
         for _ in range(levels - 1):
             rows, columns = sizes[0].shape
@@ -239,11 +222,11 @@ def align(
     least_weight: float = LEAST_WEIGHT,
     levels: int | None = None,
 ) -> Aligned:
-    """Return the motion that lays `before` on `after`.
+    """Return the motion that lays `before` on `after`, which is of the same size.
 
     Args:
         before: Earlier picture.
-        after: Later picture, of the same size.
+        after: Later picture.
         start: Where to begin; None at rest.
         still_grey: Difference of the two, in their units, at which a pixel weighs half; None weighs
             all alike. A domed pad holds a flat object's outline where it is while the object turns:
@@ -276,19 +259,12 @@ def _refined(
 ) -> tuple[Rigid, Floats]:
     """Return the motion after Gauss-Newton steps, and what is left of each pixel compared."""
     rows, columns = level.image.shape
-    x, y = (columns - 1) / 2, (rows - 1) / 2
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     solve, (still_grey, least) = level.solver, weights
     if still_grey is not None:
         solve = level.solver_of_change(later, still_grey, least)
     for _ in range(ITERATIONS):
-        cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
-        way = np.array(
-            [
-                [cos, -sin, x + motion.right_px - cos * x + sin * y],
-                [sin, cos, y + motion.down_px - sin * x - cos * y],
-            ]
-        )
+        way = motion.matrix(rows, columns)
         warped = cv2.warpAffine(later, way, (columns, rows), flags=flags)
         error = warped.ravel()[level.compared] - level.values
         turn, right, down, gain, offset = (solve @ error).tolist()

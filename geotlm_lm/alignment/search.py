@@ -38,12 +38,8 @@ _PADDED = 64  # a fast length with room for shifts beyond the border
 def search(before: Floats, after: Floats) -> Rigid:
     """Return the turn and shift of highest correlation, short ways preferred.
 
-    Args:
-        before: Earlier picture, high-passed, pixels square, no higher than wide.
-        after: Later picture, of the same size.
-
-    Returns:
-        The motion in pixels of the pictures given, right to a pixel of those searched.
+    Pictures are high-passed, of one size, pixels square, no higher than wide. The motion is in
+    pixels of the pictures given, right to a pixel of those searched.
     """
     shrink = SEARCHED_WIDTH / max(before.shape)
     size = [max(round(side * shrink), 1) for side in before.shape[::-1]]

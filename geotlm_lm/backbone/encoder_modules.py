@@ -18,40 +18,26 @@ from geotlm_lm.backbone.vit import Block
 
 @dataclass(frozen=True)
 class ImageViTConfig:
-    """Sizes and parts of a transformer; parts named as in `encoders.EncoderRow` are the same.
-
-    Args:
-        width: Width d of a token.
-        heads: Attention heads.
-        mlp_width: Width of the hidden layer of a block's MLP.
-        block_eps: Norm epsilon of each block, first block first.
-        patch: Kernel and stride of the stem: (rows, columns), or with its depth before them.
-        grid: Patches along (time, row, column) that the positions were made for.
-        has_global: Whether a global token leads; it has a position of its own.
-        sensor_rows: Sensors that have tokens of their own; 0 for none.
-        sensor_tokens: Tokens of each sensor, after the global token, without position.
-        registers: Tokens that belong to no patch, before the patches, without position.
-        has_sinusoids: Whether positions are computed, and not learned.
-        projection: Width of a projection after the last norm; 0 for none.
-    """
+    """Sizes and parts of a transformer; parts named as in `encoders.EncoderRow` are the same."""
 
     width: int
     heads: int
-    mlp_width: int
-    block_eps: tuple[float, ...]
+    mlp_width: int  # width of the hidden layer of a block's MLP
+    block_eps: tuple[float, ...]  # norm epsilon of each block, first block first
+    # Kernel and stride of the stem: (rows, columns), or with its depth before them.
     patch: tuple[int, ...]
-    grid: tuple[int, int, int]
+    grid: tuple[int, int, int]  # patches along (time, row, column) that the positions were made for
     has_patch_bias: bool = True
     has_layer_scale: bool = False
-    has_global: bool = True
-    sensor_rows: int = 0
-    sensor_tokens: int = 0
-    registers: int = 0
-    has_sinusoids: bool = False
+    has_global: bool = True  # whether a global token leads; it has a position of its own
+    sensor_rows: int = 0  # sensors that have tokens of their own; 0 for none
+    sensor_tokens: int = 0  # tokens of each sensor, after the global token, without position
+    registers: int = 0  # tokens that belong to no patch, before the patches, without position
+    has_sinusoids: bool = False  # whether positions are computed, and not learned
     resizes_positions: bool = False
     pre_norm_eps: float | None = None
     norm_eps: float | None = None
-    projection: int = 0
+    projection: int = 0  # width of a projection after the last norm; 0 for none
 
     @property
     def patch_count(self) -> int:
@@ -97,9 +83,8 @@ class ImageViT(nn.Module):
     def forward(self, pixels: Tensor, sensors: Tensor | None = None) -> Tensor:
         """Return all tokens after the last block, before any norm, shape (b, n, d).
 
-        Args:
-            pixels: What the stem reads: (b, 3, rows, columns), or (b, 3, depth, rows, columns).
-            sensors: Row of the sensor tokens of each clip, shape (b,); -1 is the last row.
+        Pixels are (b, 3, rows, columns), or (b, 3, depth, rows, columns); `sensors` are the rows of
+        each clip's sensor tokens, (b,).
         """
         tokens = self.embed(pixels, sensors)
         for block in self.blocks:

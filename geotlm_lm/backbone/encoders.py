@@ -54,59 +54,46 @@ TIMM_BLOCK: Names = {
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EncoderRow:
-    """What is known of one released encoder.
+    """What is known of one released encoder."""
 
-    Args:
-        name: What the command line calls it.
-        title: What messages call it.
-        source: Where the authors release the file.
-        marks: The file is recognised by any one of these sets of tensors.
-        anchors: Tensors whose sizes decide the module's.
-        pixels: The authors' preparation of one clip of four frames at a size.
-        tokens: Their forward pass over a batch of such pixels, cut to what DGR reads.
-        view: The square of the image that the patch grid covers; None where it is no square.
-        prefixes: What is taken off the names in turn; where a file has one, all else is dropped.
-        kept: The names, or with a dot at the end their beginnings, that belong to the encoder;
-            empty for all.
-        dropped: Parts of names that do not belong to it.
-        complete: Adds the tensors of files that belong to the one at a path.
-        image: Rows and columns of the authors' images, where positions do not tell them.
-        released_heads: Attention heads by width, which no file tells.
-        weights: Our name of a part outside of the blocks -> the authors'. Parts a file may lack
-            are named like the others.
-        blocks: What stands before the number of a block and its norms' epsilon, per stage. Without
-            any the encoder is convolutional, its parts named as the file's.
-        block_layers: The authors' names of a block's layers; with gains, it has a LayerScale.
-        time_bins: Time-bins of the learned positions.
-        resizes_positions: Whether learned positions are resized to images of another size.
-        has_patch_bias: Whether the stem adds a bias.
-        pre_norm_eps: Epsilon of a norm before the blocks; None for no norm.
-        norm_eps: Epsilon of a norm after the blocks; None for no norm.
-        constants: Tables that are no weights -> what they must be at a width.
-    """
-
-    name: str
-    title: str
-    source: str
-    marks: tuple[Axes, ...]
-    anchors: Mapping[str, int]
+    name: str  # what the command line calls it
+    title: str  # what messages call it
+    source: str  # where the authors release the file
+    marks: tuple[Axes, ...]  # the file is recognised by any one of these sets of tensors
+    anchors: Mapping[str, int]  # tensors whose sizes decide the module's
+    # The authors' preparation of one clip of four frames at a size.
     pixels: Callable[[Clip, Size], Tensor]
+    # Their forward pass over a batch of such pixels, cut to what DGR reads.
     tokens: Callable[[nn.Module, Tensor], Tokens]
+    # The square of the image that the patch grid covers; None where it is no square.
     view: Callable[[Clip], View | None] = lambda clip: View()
+    # What is taken off the names in turn; where a file has one, all else is dropped.
     prefixes: tuple[str, ...] = ()
+    # The names, or with a dot at the end their beginnings, that belong to the encoder; empty for
+    # all.
     kept: tuple[str, ...] = ()
-    dropped: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()  # parts of names that do not belong to it
+    # Adds the tensors of files that belong to the one at a path.
     complete: Callable[[Path, Tensors], Tensors] = lambda path, tensors: tensors
+    # Rows and columns of the authors' images, where positions do not tell them.
     image: Size | None = None
+    # Attention heads by width, which no file tells.
     released_heads: Mapping[int, int] = field(default_factory=dict)
+    # Our name of a part outside of the blocks -> the authors'. Parts a file may lack are named
+    # like the others.
     weights: Mapping[str, str] = field(default_factory=dict)
+    # What stands before the number of a block and its norms' epsilon, per stage. Without any the
+    # encoder is convolutional, its parts named as the file's.
     blocks: tuple[tuple[str, float], ...] = ()
+    # The authors' names of a block's layers; with gains, it has a LayerScale.
     block_layers: Names = field(default_factory=dict)
-    time_bins: int = 1
+    time_bins: int = 1  # time-bins of the learned positions
+    # Whether learned positions are resized to images of another size.
     resizes_positions: bool = False
-    has_patch_bias: bool = True
-    pre_norm_eps: float | None = None
-    norm_eps: float | None = None
+    has_patch_bias: bool = True  # whether the stem adds a bias
+    pre_norm_eps: float | None = None  # epsilon of a norm before the blocks; None for no norm
+    norm_eps: float | None = None  # epsilon of a norm after the blocks; None for no norm
+    # Tables that are no weights -> what they must be at a width.
     constants: Mapping[str, Callable[[int], Tensor]] = field(default_factory=dict)
 
 
@@ -272,11 +259,7 @@ TRUNK_MARK: Axes = {"blocks.0.attn.qkv.weight": 2, "norm.weight": 1, T3_STEM: No
 
 
 def with_trunk(path: Path, tensors: Tensors) -> Tensors:
-    """Add the trunk's tensors to a sensor's encoder, and tell both apart by a prefix.
-
-    Raises:
-        IncompatibleWeights: If the encoder has no trunk beside it, or this is the trunk.
-    """
+    """Add the trunk's tensors to a sensor's encoder, and tell both apart by a prefix."""
     if has_axes(tensors, TRUNK_MARK):
         raise IncompatibleWeights(
             f"{path}: is T3's trunk, expected the encoder of a sensor; give that file, "

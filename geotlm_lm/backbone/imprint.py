@@ -45,23 +45,17 @@ class Imprint:
     """What differs from the idle gel in the view of a clip, frame by frame.
 
     Frames that repeat the one before are left out.
-
-    Args:
-        green: Green residual of the view, grey levels, pixels square on the gel,
-            (`VIEW_SIDE` / aspect, `VIEW_SIDE`) each.
-        cells: Residual of the view as under the usual lights, RGB grey levels, (56, 56, 3) each.
-        relief: Indentation, (frames, 56, 56), in grey levels times pixels.
-        view: The square of the picture they show.
-        places: Which of the frames stands at each place of the clip.
-        aspect: Width of a pixel of the view over its height.
     """
 
+    # Green residual of the view, grey levels, pixels square on the gel, (`VIEW_SIDE` / aspect,
+    # `VIEW_SIDE`) each.
     green: list[Floats]
+    # Residual of the view as under the usual lights, RGB grey levels, (56, 56, 3) each.
     cells: list[Floats]
-    relief: Floats
-    view: View
-    places: list[int]
-    aspect: float
+    relief: Floats  # indentation, (frames, 56, 56), in grey levels times pixels
+    view: View  # the square of the picture they show
+    places: list[int]  # which of the frames stands at each place of the clip
+    aspect: float  # width of a pixel of the view over its height
 
 
 def imprint_of(clip: Clip) -> Imprint:

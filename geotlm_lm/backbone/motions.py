@@ -7,7 +7,6 @@ press spreads its imprint, markers lag) is one step of the same equations in the
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -55,18 +54,13 @@ MOTIONS_SHAPE = (len(MEASURED), 7)
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """The rigid motions to the last frame, about the middle of the view.
+    """The rigid motions to the last frame, about the middle of the view."""
 
-    Args:
-        twists: float32 (4, 3), one row for each of `MEASURED`: turn in rad, clockwise positive, way
-            to the right and down in pixels of the 224-pixel image.
-        deviations: Their standard deviations by the normal equations, (4, 3).
-        correlations: How much of the picture each explains, (4,).
-    """
-
+    # float32 (4, 3), one row for each of `MEASURED`: turn in rad, clockwise positive, way to the
+    # right and down in pixels of the 224-pixel image.
     twists: Floats
-    deviations: Floats
-    correlations: Floats
+    deviations: Floats  # their standard deviations by the normal equations, (4, 3)
+    correlations: Floats  # how much of the picture each explains, (4,)
 
     @classmethod
     def none(cls) -> Motions:
@@ -194,14 +188,7 @@ def _beyond(first: Floats, now: Floats, motion: Rigid) -> Floats:
     rows, columns = now.shape
     moved = first
     if motion != Rigid():
-        x, y = (columns - 1) / 2, (rows - 1) / 2
-        cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
-        ahead = np.array(
-            [
-                [cos, -sin, x + motion.right_px - cos * x + sin * y],
-                [sin, cos, y + motion.down_px - sin * x - cos * y],
-            ]
-        )
+        ahead = motion.matrix(rows, columns)
         moved = cv2.warpAffine(first, ahead, (columns, rows), flags=cv2.INTER_LINEAR)
     right, down = gradients(moved)
     error, at_rest = now - moved, now - first

@@ -34,13 +34,7 @@ BATCH = 4
 
 
 class ReleasedEncoder:
-    """A released encoder behind the seam of `FrozenBackbone`: clips in, tokens out.
-
-    Args:
-        row: What is known of the encoder.
-        module: Its weights, frozen.
-        image: Rows and columns of the images it reads.
-    """
+    """A released encoder behind the seam of `FrozenBackbone`: clips in, tokens out."""
 
     def __init__(self, row: EncoderRow, module: nn.Module, image: Size) -> None:
         self.row, self.image = row, image
@@ -127,11 +121,8 @@ def load_encoder(
 ) -> ReleasedEncoder:
     """Load a released encoder from the file its authors release.
 
-    Args:
-        path: The file; of T3 the sensor's encoder, whose trunk lies beside it or one folder up.
-        name: One of `ENCODERS`; None recognises the file by its names.
-        heads: Attention heads; None for those of the released width.
-        image: Rows and columns of the images it shall read; None for the authors'.
+    Of T3 it is the sensor's encoder, whose trunk lies beside it or one folder up. Without a name
+    the file is recognised by its tensors; without heads and image they are those of the authors.
 
     Raises:
         UsageError: If there is no encoder of that name, or the heads must be given.
@@ -167,11 +158,7 @@ def encoder_row(name: str) -> EncoderRow:
 
 
 def detect_encoder(path: Path, tensors: Tensors) -> EncoderRow:
-    """Return the one encoder a file's names and shapes belong to.
-
-    Raises:
-        IncompatibleWeights: If there is none.
-    """
+    """Return the one encoder that names and shapes of a file fit, or refuse the file."""
     rows = [
         row
         for row in ENCODERS.values()
@@ -210,10 +197,6 @@ def fitted(
     """Return the empty module, the size of its images, and by our name what each weight is made of.
 
     Every name of the file must be accounted for, and every shape right; values are not looked at.
-
-    Raises:
-        IncompatibleWeights: If a name is missing or unexpected, a shape is wrong, or no module can
-            have the sizes of the file.
     """
     tensors = _own_tensors(row, tensors)
     own = _without_constants(row, tensors, path)

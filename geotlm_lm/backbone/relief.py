@@ -69,18 +69,13 @@ Floats = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Lights:
-    """How the lights stand against a GelSight Mini's, as far as the curl of slopes tells.
+    """How the lights stand against a GelSight Mini's, as far as the curl of slopes tells."""
 
-    Args:
-        are_turned: By a quarter; which way the curl does not tell, but a relief that comes out
-            inside out (`relief.is_inside_out`).
-        are_mirrored: Left for right, once they are turned back.
-        are_one: Whether the picture tells them not apart: it is grey, or of one colour.
-    """
-
+    # By a quarter; which way the curl does not tell, but a relief that comes out inside out
+    # (`relief.is_inside_out`).
     are_turned: bool = False
-    are_mirrored: bool = False
-    are_one: bool = False
+    are_mirrored: bool = False  # left for right, once they are turned back
+    are_one: bool = False  # whether the picture tells them not apart: it is grey, or of one colour
 
 
 def slopes(residuals: Sequence[Floats], aspect: float = 1.0) -> tuple[Floats, Floats]:

@@ -63,19 +63,14 @@ PATCH_INPUT_DIM = LOCAL_AT + LOCAL_CHANNELS + MOTION_NUMBERS
 
 
 class StemMeasurement(NamedTuple):
-    """What the stem measures in a clip.
+    """What the stem measures in a clip."""
 
-    Args:
-        inputs: Of its patch tokens, (2, 14, 14, PATCH_INPUT_DIM), early time-bin first; motion is
-            from the clip's first frame to the mean of the bin's two frames, x right, y down, in
-            units of `FLOW_SCALE_PX` pixels of the view.
-        view: The square of the picture they cover.
-        motions: The rigid motions to the last frame.
-    """
-
+    # Of its patch tokens, (2, 14, 14, PATCH_INPUT_DIM), early time-bin first; motion is from the
+    # clip's first frame to the mean of the bin's two frames, x right, y down, in units of
+    # `FLOW_SCALE_PX` pixels of the view.
     inputs: Floats
-    view: View
-    motions: Motions
+    view: View  # the square of the picture they cover
+    motions: Motions  # the rigid motions to the last frame
 
 
 def measure_clip(clip: Clip) -> StemMeasurement:

@@ -14,22 +14,17 @@ from geotlm_lm.core.clip import Clip
 
 @dataclass(frozen=True, eq=False)
 class Tokens:
-    """Tokens of a batch of clips.
+    """Tokens of a batch of clips."""
 
-    Args:
-        global_token: Summary c of each clip, shape (b, d).
-        patches: Patch tokens F, shape (b, 2, gh, gw, d), early time-bin first (Eq. 1).
-        views: The square of the image each clip's grid covers, None where it covers no square;
-            empty where nobody asked.
-        inputs: What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no
-            stem, or nobody asked.
-        motions: The rigid motions the stem found in each clip; empty likewise.
-    """
-
-    global_token: Tensor
-    patches: Tensor
+    global_token: Tensor  # summary c of each clip, shape (b, d)
+    patches: Tensor  # patch tokens F, shape (b, 2, gh, gw, d), early time-bin first (Eq. 1)
+    # The square of the image each clip's grid covers, None where it covers no square; empty where
+    # nobody asked.
     views: tuple[View | None, ...] = ()
+    # What the stem made of each clip, (b, 2, gh, gw, dim); None where the backbone has no stem,
+    # or nobody asked.
     inputs: Tensor | None = None
+    # The rigid motions the stem found in each clip; empty likewise.
     motions: tuple[Motions, ...] = ()
 
     def __len__(self) -> int:

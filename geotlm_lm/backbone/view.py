@@ -32,20 +32,15 @@ class View:
 
     Seven-region pooling tells a turn from a slide only where the halves of the grid see opposite
     sides of the contact; so the grid is laid around the imprint, wherever it is in the image.
-
-    Args:
-        centre_x_px: Column of the middle, pixels of the 224-pixel image.
-        centre_y_px: Row of the middle.
-        side_px: Side; smaller than 224 magnifies.
-        picture_height_px: Rows of the 224-pixel image that the picture fills, around its middle.
-        picture_width_px: Columns that it fills; idle gel surrounds it where it is of another shape
-            than a camera's (`core.geometry.filled_size`).
     """
 
-    centre_x_px: float = IMAGE_SIDE / 2
-    centre_y_px: float = IMAGE_SIDE / 2
-    side_px: float = float(IMAGE_SIDE)
+    centre_x_px: float = IMAGE_SIDE / 2  # column of the middle, pixels of the 224-pixel image
+    centre_y_px: float = IMAGE_SIDE / 2  # row of the middle
+    side_px: float = float(IMAGE_SIDE)  # side; smaller than 224 magnifies
+    # Rows of the 224-pixel image that the picture fills, around its middle.
     picture_height_px: int = IMAGE_SIDE
+    # Columns that it fills; idle gel surrounds it where it is of another shape than a camera's
+    # (`core.geometry.filled_size`).
     picture_width_px: int = IMAGE_SIDE
 
     def in_picture(self, points: NDArray) -> NDArray:

@@ -54,10 +54,8 @@ through MKL, which leaves half of an AMD processor's vector units idle: 202 toke
 def linear(layer: nn.Module, values: Tensor) -> Tensor:
     """Return what a linear layer makes of (..., d_in): (..., d_out), equal but for rounding.
 
-    Args:
-        layer: Any layer; all but plain ones in float32 on the CPU are simply called. Of these no
-            hooks are run, and autocasting does not reach them.
-        values: Their gradient is kept wherever it is asked for.
+    All layers but plain ones in float32 on the CPU, without gradients, are simply called. Of these
+    no hooks are run, and autocasting does not reach them.
     """
     if (
         _ONEDNN is None

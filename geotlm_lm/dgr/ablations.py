@@ -18,17 +18,11 @@ of strain that change no area are the ones divergence leaves."""
 
 @dataclass(frozen=True)
 class DGRParts:
-    """Which parts of DGR there are; those of the paper by default.
+    """Which parts of DGR there are; those of the paper by default."""
 
-    Args:
-        regions: Seven regions; without them the mean over the whole grid alone.
-        mask: The learned contact mask; without it every patch weighs the same.
-        operators: Curl, divergence and strains of the shear change are pooled beside it.
-    """
-
-    regions: bool = True
-    mask: bool = True
-    operators: bool = False
+    regions: bool = True  # seven regions; without them the mean over the whole grid alone
+    mask: bool = True  # the learned contact mask; without it every patch weighs the same
+    operators: bool = False  # curl, divergence and strains of the shear change are pooled beside it
 
     @property
     def descriptor_dim(self) -> int:
@@ -38,13 +32,7 @@ class DGRParts:
 
 
 class AblatedDGR(DGR):
-    """DGR of chosen parts; with the parts of the paper it is `DGR`.
-
-    Args:
-        width: Width of a patch token.
-        feature_width: Width of the feature; None for `width`.
-        parts: What there is.
-    """
+    """DGR of chosen parts; with the parts of the paper it is `DGR`."""
 
     def __init__(self, width: int, feature_width: int | None, parts: DGRParts) -> None:
         super().__init__(width, feature_width)

@@ -16,32 +16,21 @@ from geotlm_lm.dgr.regions import pool_regions, region_mass
 
 @dataclass(frozen=True, eq=False)
 class Geometry:
-    """Every intermediate of DGR, so that probes, figures and answers need no hooks.
+    """Every intermediate of DGR, so that probes, figures and answers need no hooks."""
 
-    Args:
-        shear: Learned shear per time-bin, shape (b, k, gh, gw, 2), unitless (Eq. 2).
-        shear_change: Late bin minus early bin, shape (b, gh, gw, 2) (Eq. 3).
-        mask: Contact mask, mean over bins, shape (b, gh, gw), in [0, 1] (Eq. 4).
-        region_mass: Mean mask of each region, shape (b, 7), in [0, 1].
-        descriptor: The 14 numbers r: seven regions of x, then of y, shape (b, 14).
-        feature: Geometric feature g, shape (b, d) (Eq. 8).
-    """
-
-    shear: Tensor
-    shear_change: Tensor
-    mask: Tensor
-    region_mass: Tensor
-    descriptor: Tensor
-    feature: Tensor
+    shear: Tensor  # learned shear per time-bin, shape (b, k, gh, gw, 2), unitless (Eq. 2)
+    shear_change: Tensor  # late bin minus early bin, shape (b, gh, gw, 2) (Eq. 3)
+    mask: Tensor  # contact mask, mean over bins, shape (b, gh, gw), in [0, 1] (Eq. 4)
+    region_mass: Tensor  # mean mask of each region, shape (b, 7), in [0, 1]
+    descriptor: Tensor  # the 14 numbers r: seven regions of x, then of y, shape (b, 14)
+    feature: Tensor  # geometric feature g, shape (b, d) (Eq. 8)
 
 
 class DGR(nn.Module):
     """Pool a learned shear change into a feature of the backbone's width (Eqs. 2-8).
 
-    Args:
-        width: Width d of a patch token. At 768 the three projections hold 13,827 parameters.
-        feature_width: Width of the feature, which is that of the global token; None for `width`.
-            They differ where a global token is made of the whole grid.
+    The feature's width, None for that of a patch token, is the global token's: they differ where it
+    is made of the whole grid. At a width of 768 the three projections hold 13,827 parameters.
     """
 
     def __init__(self, width: int, feature_width: int | None = None) -> None:
@@ -51,14 +40,7 @@ class DGR(nn.Module):
         self.to_feature = nn.Linear(DESCRIPTOR_DIM, feature_width or width)
 
     def forward(self, patches: Tensor) -> Geometry:
-        """Compute the geometry of a batch of clips.
-
-        Args:
-            patches: Patch tokens, shape (b, 2, gh, gw, d), early time-bin first.
-
-        Raises:
-            ValueError: If there are not exactly two time-bins.
-        """
+        """Compute the geometry of clips' patch tokens (b, 2, gh, gw, d), early time-bin first."""
         if patches.ndim != 5 or patches.shape[1] != TIME_BIN_COUNT:
             raise ValueError(f"patches are (b, 2, gh, gw, d), found {tuple(patches.shape)}")
         shear = self.to_shear(patches)  # Eq. 2

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import torch
 from torch import Tensor
 
@@ -15,26 +17,14 @@ _HALF_TERMS = ("upper", "lower", "left", "right", "global")
 def pool_regions(field: Tensor, mask: Tensor) -> Tensor:
     """Average `field` over seven regions, weighted by the contact mask (Eqs. 5-7).
 
-    Args:
-        field: One component of the shear change, shape (b, gh, gw), unitless.
-        mask: Contact confidence in [0, 1], shape (b, gh, gw); weights, never gates.
-
-    Returns:
-        Regional means in float32 or better, shape (b, 7), columns in the order of `REGIONS`.
+    The field is one component of the shear change, the mask the contact confidence in [0, 1], which
+    weighs and never gates; both (b, gh, gw). Means are in float32 or better, (b, 7), in the order
+    of `REGIONS`.
     """
     field, mask = _at_least_float32(field), _at_least_float32(mask)
     weighted, mass = _regional_sums(field * mask), _regional_sums(mask)
     mean = {name: weighted[name] / (mass[name] + MASS_FLOOR) for name in _HALF_TERMS}
-    columns = (
-        mean["upper"],
-        mean["lower"],
-        mean["upper"] - mean["lower"],
-        mean["left"],
-        mean["right"],
-        mean["left"] - mean["right"],
-        mean["global"],
-    )
-    return torch.stack(columns, dim=-1)
+    return _in_order(mean, torch.sub)
 
 
 def region_mass(mask: Tensor) -> Tensor:
@@ -43,11 +33,7 @@ def region_mass(mask: Tensor) -> Tensor:
     A mass-normalised mean reads the same whether a region is fully or barely touched, so whoever
     uses the descriptor needs this beside it. A differenced region has the mass of its lighter half.
 
-    Args:
-        mask: Contact confidence in [0, 1], shape (b, gh, gw).
-
-    Returns:
-        Shape (b, 7), columns in the order of `REGIONS`.
+    Of masks (b, gh, gw) in [0, 1] they are (b, 7), in the order of `REGIONS`.
     """
     rows, columns = mask.shape[-2:]
     mass = _regional_sums(_at_least_float32(mask))
@@ -57,16 +43,13 @@ def region_mass(mask: Tensor) -> Tensor:
         "right": rows * columns - cells["left"],
     }
     mean = {name: mass[name] / cells[name] for name in _HALF_TERMS}
-    ordered = (
-        mean["upper"],
-        mean["lower"],
-        torch.minimum(mean["upper"], mean["lower"]),
-        mean["left"],
-        mean["right"],
-        torch.minimum(mean["left"], mean["right"]),
-        mean["global"],
-    )
-    return torch.stack(ordered, dim=-1)
+    return _in_order(mean, torch.minimum)
+
+
+def _in_order(mean: dict[str, Tensor], differenced: Callable[[Tensor, Tensor], Tensor]) -> Tensor:
+    upper, lower, left, right, whole = (mean[name] for name in _HALF_TERMS)
+    rows, columns = differenced(upper, lower), differenced(left, right)
+    return torch.stack((upper, lower, rows, left, right, columns, whole), dim=-1)
 
 
 def _regional_sums(field: Tensor) -> dict[str, Tensor]:

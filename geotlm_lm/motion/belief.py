@@ -18,26 +18,19 @@ Spread = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Belief:
-    """The motion from a clip's first frame to its last, and how sure each part of it is.
+    """The motion from a clip's first frame to its last, and how sure each part of it is."""
 
-    Args:
-        mean: The twist, lengths in pixels of the 224-pixel image and mm into the gel.
-        covariance: Of turn (degrees), right, down (pixels) and inward (mm), (4, 4).
-        ways: Probability that a component counts and goes that way, of all eight ways; what is
-            missing to 1 of a component is that it does not count.
-        contact: Probability that something touches the gel.
-        radius_px: Radius of the contact, at which a turn's path is measured.
-        readable: Whether the picture tells each component at all: an edge hides its travel along
-            itself, a smooth ball its turn.
-        numbers: All of it as the language model reads it; empty where no model made it.
-    """
-
-    mean: Twist
-    covariance: Spread
+    mean: Twist  # the twist, lengths in pixels of the 224-pixel image and mm into the gel
+    covariance: Spread  # of turn (degrees), right, down (pixels) and inward (mm), (4, 4)
+    # Probability that a component counts and goes that way, of all eight ways; what is missing to
+    # 1 of a component is that it does not count.
     ways: Mapping[Motion, float]
-    contact: float
-    radius_px: float
+    contact: float  # probability that something touches the gel
+    radius_px: float  # radius of the contact, at which a turn's path is measured
+    # Whether the picture tells each component at all: an edge hides its travel along itself, a
+    # smooth ball its turn.
     readable: Mapping[Component, bool]
+    # All of it as the language model reads it; empty where no model made it.
     numbers: tuple[float, ...] = ()
 
     def counts(self, component: Component) -> float:
@@ -102,10 +95,7 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
 
     A motion turns round with the clip; what a growing contact looks like does not, and cancels.
     How far the two are apart widens the spread. A way that only one of them finds hardly counts.
-
-    Args:
-        belief: Of the clip; its press and its contact stay as they are.
-        backwards: Of the clip played backwards.
+    Press and contact stay as they are.
     """
     other = backwards.seen(BACKWARDS)
     one, two = (np.array([x.turn_deg, x.right_px, x.down_px]) for x in (belief.mean, other.mean))

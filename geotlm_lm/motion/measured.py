@@ -38,18 +38,13 @@ SHEAR_SHARE = 1.5
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """What is measured of each of b clips.
+    """What is measured of each of b clips."""
 
-    Args:
-        paths: Candidates, (b, CANDIDATES, 3): turn at the contact's radius, clockwise positive, and
-            travel of the contact's middle to the right and down; pixels of the 224-pixel image.
-        radius_px: Radius of the contact, (b,), likewise.
-        hints: What tells which candidate to trust, and what none of them does, (b, hints).
-    """
-
+    # Candidates, (b, CANDIDATES, 3): turn at the contact's radius, clockwise positive, and travel
+    # of the contact's middle to the right and down; pixels of the 224-pixel image.
     paths: Tensor
-    radius_px: Tensor
-    hints: Tensor
+    radius_px: Tensor  # radius of the contact, (b,), likewise
+    hints: Tensor  # what tells which candidate to trust, and what none of them does, (b, hints)
 
     def only(self, rows: Tensor | slice) -> Measured:
         """Return what is measured of some of the clips."""
@@ -75,12 +70,9 @@ def measured(
 ) -> Measured:
     """Lay out what is measured of b clips.
 
-    Args:
-        inputs: What the stem made of them, (b, 2, 14, 14, PATCH_INPUT_DIM).
-        motions: The rigid motions to the last frame, (b, 4, 7), as `Motions.numbers` has them.
-        geometry: What DGR made of their tokens.
-        fused_token: z, (b, d).
-        aspect: Width of a pixel over its height: a turn is rigid on the gel.
+    Inputs are (b, 2, 14, 14, PATCH_INPUT_DIM); motions, to the last frame, (b, 4, 7), as
+    `Motions.numbers` has them; the fused token is z, (b, d); `aspect` is the width of a pixel over
+    its height: a turn is rigid on the gel.
     """
     inputs, motions = inputs.float(), motions.float()
     side = IMAGE_SIDE * (-inputs[:, 0, 0, 0, MAGNIFICATION_AT]).exp()
@@ -198,14 +190,9 @@ def rigid_motions(
 
     The same closed form as `probe.rigid_fit.fit_rigid`, for many fields at once.
 
-    Args:
-        field: Displacement in units of `FLOW_SCALE_PX`, (b, gh, gw, 2), x right, y down.
-        weight: (b, gh, gw), not negative.
-        aspect: Width of a pixel over its height: a turn is rigid on the gel.
-
-    Returns:
-        Turns in rad, (b,), positive clockwise as drawn, and slides in pixels of the view, (b, 2).
-        Zeros where there is no weight.
+    Fields are in units of `FLOW_SCALE_PX`, (b, gh, gw, 2), x right, y down; weights (b, gh, gw) are
+    not negative. Turns are in rad, (b,), positive clockwise as drawn, and slides in pixels of the
+    view, (b, 2); zeros where there is no weight.
     """
     share = weight / weight.sum(dim=(1, 2), keepdim=True).clamp(min=1e-6)
     step_x, step_y = (field * FLOW_SCALE_PX).unbind(dim=-1)

@@ -54,27 +54,17 @@ _OUTPUTS = {
 
 @dataclass(frozen=True, eq=False)
 class Beliefs:
-    """What the network believes of b clips, before it is told.
+    """What the network believes of b clips, before it is told."""
 
-    Args:
-        path: Turn at the contact's radius, right and down, pixels of the 224-pixel image, (b, 3).
-        inward_mm: Approach, (b,).
-        deviation: Of the three paths and the approach, (b, 4).
-        counts: Logits that turn, slide and press count, (b, 3).
-        press_in: Logit that a press that counts goes in, (b,).
-        contact: Logit that something touches, (b,).
-        readable: Logits that each component can be read, (b, 3).
-        radius_px: Of the contact, (b,).
-    """
-
+    # Turn at the contact's radius, right and down, pixels of the 224-pixel image, (b, 3).
     path: Tensor
-    inward_mm: Tensor
-    deviation: Tensor
-    counts: Tensor
-    press_in: Tensor
-    contact: Tensor
-    readable: Tensor
-    radius_px: Tensor
+    inward_mm: Tensor  # approach, (b,)
+    deviation: Tensor  # of the three paths and the approach, (b, 4)
+    counts: Tensor  # logits that turn, slide and press count, (b, 3)
+    press_in: Tensor  # logit that a press that counts goes in, (b,)
+    contact: Tensor  # logit that something touches, (b,)
+    readable: Tensor  # logits that each component can be read, (b, 3)
+    radius_px: Tensor  # of the contact, (b,)
 
     def sense(self) -> Tensor:
         """Return the logit that a turn that counts goes clockwise, (b,)."""
@@ -130,9 +120,6 @@ class MotionNetwork(nn.Module):
     """Fuse what is measured.
 
     Its deviations are widened so that spans hold nine in ten on objects that it has not seen.
-
-    Args:
-        hints: Numbers that `Measured.hints` holds.
     """
 
     def __init__(self, hints: int) -> None:
@@ -188,12 +175,9 @@ class MotionNetwork(nn.Module):
 
 
 def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Belief:
-    """Return what is believed of one clip as a value to answer from.
+    """Return what is believed of one of the clips as a value to answer from.
 
-    Args:
-        beliefs: Of b clips.
-        place: Which of them.
-        doubt: What widens the spread and flattens the probabilities.
+    Doubt widens the spread and flattens the probabilities.
     """
     one = Beliefs(*(value[place : place + 1] for value in vars(beliefs).values()))
     numbers = tuple(one.vector()[0].tolist())

@@ -32,12 +32,9 @@ LEAST_CONTRAST_GREY = 1e-3
 def curl_features(clip: Clip) -> NDArray[np.float32]:
     """Return the mean curl of the imprint's travel from the first frame to the last, five numbers.
 
-    Args:
-        clip: Frames in time order; without a background the mean frame stands for the idle gel.
-
-    Returns:
-        Shape (5,), in the order of `CURL_FEATURES`, weighted by the imprint's contrast; of a rigid
-        turn twice its angle in rad, positive for clockwise.
+    They are in the order of `CURL_FEATURES`, weighted by the imprint's contrast; of a rigid turn
+    twice its angle in rad, positive for clockwise. Without a background the mean frame stands for
+    the idle gel.
     """
     field, weight, (step_x, step_y) = imprint_travel(clip)
     curl = np.gradient(field[..., 1], step_x, axis=1) - np.gradient(field[..., 0], step_y, axis=0)
@@ -52,9 +49,6 @@ def curl_features(clip: Clip) -> NDArray[np.float32]:
 
 def imprint_travel(clip: Clip) -> tuple[Field, Field, tuple[float, float]]:
     """Return the imprint's travel and its contrast on the patch grid.
-
-    Args:
-        clip: As in `curl_features`.
 
     Returns:
         Travel (x right, y down), summed over neighbouring frames, (14, 14, 2), px of the frames the
@@ -75,15 +69,10 @@ def imprint_travel(clip: Clip) -> tuple[Field, Field, tuple[float, float]]:
 
 @dataclass(frozen=True, eq=False)
 class CurlRegression:
-    """Logistic regression on the curl.
+    """Logistic regression on the curl."""
 
-    Args:
-        statistics: Of the training clips' features.
-        probe: The fitted layer.
-    """
-
-    statistics: Standardiser
-    probe: LinearProbe
+    statistics: Standardiser  # of the training clips' features
+    probe: LinearProbe  # the fitted layer
 
     @classmethod
     def fit(cls, clips: Iterable[Clip], motions: Sequence[Motion]) -> CurlRegression:

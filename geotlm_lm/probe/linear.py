@@ -20,12 +20,7 @@ MOST_STEPS = 500
 class LinearProbe(nn.Module):
     """One linear layer over fused tokens, or over global tokens as the ablation.
 
-    Args:
-        width: Width d of a token.
-        labels: The motions the probe tells apart, in the order of its outputs.
-
-    Raises:
-        ValueError: If fewer than two labels are given, or one of them twice.
+    The labels are the motions it tells apart, two or more, in the order of its outputs.
     """
 
     def __init__(self, width: int, labels: Sequence[Motion]) -> None:
@@ -70,14 +65,8 @@ def fit_logistic(
 ) -> LinearProbe:
     """Return the probe with the least sum of losses plus penalty / 2 times its squared weights.
 
-    Args:
-        features: Standardised features of the training rows, shape (n, d).
-        motions: The motion of each row.
-        labels: The motions to tell apart.
-        penalty: Weight of the squared weights; the offsets are free.
-
-    Raises:
-        ValueError: If a motion is not among the labels.
+    Features are those of the training rows, standardised, (n, d); every motion is one of the
+    labels. The offsets are free.
     """
     targets = torch.tensor([list(labels).index(motion) for motion in motions])
     wide = features.double()

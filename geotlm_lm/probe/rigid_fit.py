@@ -23,11 +23,8 @@ def fit_rigid(
     form (the two-dimensional orthogonal Procrustes problem). Each reweighting divides the weight
     by 1 + (misfit / rms misfit)^2, so that what does not turn with the imprint drops out.
 
-    Args:
-        field: Displacement (x, y) in px, shape (rows, columns, 2).
-        weight: Shape (rows, columns), not negative.
-        reweightings: Rounds of reweighting.
-        grid_px: Distance of neighbouring grid points, along x and along y where they differ.
+    The field holds displacements (x, y) in px, (rows, columns, 2); the weight is (rows, columns),
+    not negative; `grid_px` is the distance of neighbouring points, of x and y where they differ.
 
     Returns:
         Turn in rad, positive clockwise as drawn; slide along x and y in px. Zeros when there is

@@ -27,21 +27,14 @@ class RigidMotion:
 
     Lengths are in px of the clip's own frames; of a camera's 320 x 240 where they were squashed to
     a square (`core.geometry.camera_size`): only there is a turn rigid.
-
-    Args:
-        rotation_deg: Turn of the imprint, positive clockwise as drawn in the image.
-        slide_x_px: Travel of the imprint's centre to the right.
-        slide_y_px: Travel of the imprint's centre down the image, same unit.
-        radius_px: Radius of gyration of the imprint's contrast, same unit.
-        side_px: Longer side of the clip's frames.
-        contrast: Mean contrast of the imprint in the first and in the last frame, grey levels.
     """
 
-    rotation_deg: float
-    slide_x_px: float
-    slide_y_px: float
-    radius_px: float
-    side_px: int
+    rotation_deg: float  # turn of the imprint, positive clockwise as drawn in the image
+    slide_x_px: float  # travel of the imprint's centre to the right
+    slide_y_px: float  # travel of the imprint's centre down the image, same unit
+    radius_px: float  # radius of gyration of the imprint's contrast, same unit
+    side_px: int  # longer side of the clip's frames
+    # Mean contrast of the imprint in the first and in the last frame, grey levels.
     contrast: tuple[float, float]
 
     @property
@@ -62,24 +55,18 @@ class RigidMotion:
 
 @dataclass(frozen=True)
 class RigidFlow:
-    """Dense inverse search flow between neighbouring frames, and a weighted rigid fit to it.
+    """Dense inverse search flow between neighbouring frames, and a weighted rigid fit to it."""
 
-    Args:
-        preset: OpenCV's preset of the flow: 0 ultrafast, 1 fast, 2 medium.
-        patch_px: Side of the patches the flow matches.
-        reweightings: Rounds in which pixels off the rigid motion lose their weight.
-    """
-
+    # OpenCV's preset of the flow: 0 ultrafast, 1 fast, 2 medium.
     preset: int = cv2.DISOPTICAL_FLOW_PRESET_FAST
-    patch_px: int = 8
-    reweightings: int = 2
+    patch_px: int = 8  # side of the patches the flow matches
+    reweightings: int = 2  # rounds in which pixels off the rigid motion lose their weight
 
     def fit(self, clip: Clip, background: Frames | None = None) -> RigidMotion:
         """Measure the rigid motion of the imprint, summed over neighbouring frames.
 
-        Args:
-            clip: Frames in time order; frames larger than `LONGEST_SIDE` are shrunk to it.
-            background: The idle gel; None takes the clip's own, and without one the mean frame.
+        Frames larger than `LONGEST_SIDE` are shrunk to it. Without a background the clip's own is
+        the idle gel, and without one the mean frame.
         """
         fields, contrast, shrink = self.displacements(clip, background)
         total = np.zeros(3)
@@ -123,16 +110,7 @@ class RigidFlow:
         among: Iterable[Motion] = DIRECTED,
         background: Frames | None = None,
     ) -> Motion:
-        """Return the motion, among those asked about, that the rigid fit speaks for.
-
-        Args:
-            clip: Frames in time order.
-            among: The motions in question.
-            background: As in `fit`.
-
-        Raises:
-            ValueError: If `among` is empty.
-        """
+        """Return the motion, among those asked about, that the rigid fit speaks for."""
         return classify_motion(self.fit(clip, background), among)
 
 

@@ -10,25 +10,17 @@ from torch import Tensor
 
 @dataclass(frozen=True, eq=False)
 class Standardiser:
-    """Shift and scale of each feature, fixed once fitted.
+    """Shift and scale of each feature, fixed once fitted."""
 
-    Args:
-        mean: Mean of each feature over the training rows, shape (d,).
-        scale: Standard deviation of each feature, shape (d,); 1 where the feature never varied.
-    """
-
-    mean: Tensor
+    mean: Tensor  # mean of each feature over the training rows, shape (d,)
+    # Standard deviation of each feature, shape (d,); 1 where the feature never varied.
     scale: Tensor
 
     @classmethod
     def fit(cls, features: Tensor) -> Standardiser:
         """Measure mean and standard deviation of the training rows.
 
-        Args:
-            features: Rows of the training split and of no other, shape (n, d), n >= 1.
-
-        Raises:
-            ValueError: If there is no row, or the features are not a matrix.
+        Features are (n, d), n >= 1: rows of the training split and of no other.
         """
         if features.ndim != 2 or not len(features):
             raise ValueError(f"expected features (n, d) with n >= 1, found {tuple(features.shape)}")

@@ -51,7 +51,7 @@ def fit_contact_threshold(
 
 
 def expected_calibration_error(
-    confidence: NDArray[np.floating], is_right: NDArray[np.bool_], bins: int = BINS
+    confidence: NDArray[np.floating], is_right: NDArray[np.bool_]
 ) -> float:
     """Return the mean gap between confidence and accuracy, bins weighted by their answers.
 
@@ -60,8 +60,8 @@ def expected_calibration_error(
     confidence, is_right = np.asarray(confidence, float), np.asarray(is_right, float)
     if confidence.shape != is_right.shape or not confidence.size:
         raise ValueError(f"shapes differ or are empty: {confidence.shape}, {is_right.shape}")
-    places = np.minimum((confidence * bins).astype(int), bins - 1)
-    gaps = np.bincount(places, weights=confidence - is_right, minlength=bins)
+    places = np.minimum((confidence * BINS).astype(int), BINS - 1)
+    gaps = np.bincount(places, weights=confidence - is_right, minlength=BINS)
     return float(np.abs(gaps).sum() / confidence.size)
 
 

@@ -45,36 +45,23 @@ class HeadsPreset:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingPreset(HeadsPreset):
-    """Sizes and lengths of one training run from nothing: heads on an encoder of its own.
+    """Sizes and lengths of one training run from nothing: heads on an encoder of its own."""
 
-    Args:
-        reading_steps: Steps of a reader of questions that learns from labels.
-        reading_teachers: How many of these teach the one that is stored; 0 stores the first.
-        taught_steps: Steps of the one that they teach.
-        reading_batch: Questions per step.
-        pretraining_clips: Clips of the same objects as the head clips, on which the backbone is
-            pretrained; the language model learns from them too.
-        test_clips: Clips of everyday objects, scored once for the model card.
-        backbone_width: Width d of a token.
-        backbone_depth: Transformer blocks.
-        backbone_heads: Attention heads.
-        pretraining_draws: Clips drawn during pretraining, repeats counted.
-        pretraining_batch: Clips per step.
-        geometry_clips: How many of the head clips DGR and probe learn from; no backbone has seen
-            them, whereas it is pretrained on the others as well.
-    """
-
-    reading_steps: int
-    reading_teachers: int
-    taught_steps: int
+    reading_steps: int  # steps of a reader of questions that learns from labels
+    reading_teachers: int  # how many of these teach the one that is stored; 0 stores the first
+    taught_steps: int  # steps of the one that they teach
     reading_batch: int
+    # Clips of the same objects as the head clips, on which the backbone is pretrained; the
+    # language model learns from them too.
     pretraining_clips: int
-    test_clips: int
-    backbone_width: int
+    test_clips: int  # clips of everyday objects, scored once for the model card
+    backbone_width: int  # width d of a token
     backbone_depth: int
     backbone_heads: int
-    pretraining_draws: int
+    pretraining_draws: int  # clips drawn during pretraining, repeats counted
     pretraining_batch: int
+    # How many of the head clips DGR and probe learn from; no backbone has seen them, whereas it
+    # is pretrained on the others as well.
     geometry_clips: int
 
     @property
@@ -158,11 +145,7 @@ HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
 
 
 def preset_named(name: str, presets: dict[str, Preset] = PRESETS) -> Preset:
-    """Return the preset called `name`.
-
-    Raises:
-        UsageError: If there is none.
-    """
+    """Return the preset called `name`, or raise a UsageError that lists them."""
     if name not in presets:
         raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(presets)}.")
     return presets[name]

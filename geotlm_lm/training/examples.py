@@ -110,22 +110,15 @@ class Examples:
 
 @dataclass(frozen=True)
 class ExampleSet:
-    """Which examples a set holds.
+    """Which examples a set holds."""
 
-    Args:
-        stage: Name of the set; with the seed it decides every clip.
-        count: Number of examples; whole chunks are simulated.
-        objects: Names of the objects to touch.
-        is_varied: Whether it is `VARIED` and `DAMAGED_SHARE` of it is damaged, as training is, or
-            the plain series that evaluations use.
-        is_mixed: Whether all of a plain series turns, slides and presses at once.
-    """
-
-    stage: str
+    stage: str  # name of the set; with the seed it decides every clip
     count: int
     objects: tuple[str, ...]
+    # Whether it is `VARIED` and `DAMAGED_SHARE` of it is damaged, as training is, or the plain
+    # series that evaluations use.
     is_varied: bool = True
-    is_mixed: bool = False
+    is_mixed: bool = False  # whether all of a plain series turns, slides and presses at once
 
     def simulated(self, stage_seed: int, first_index: int, count: int) -> Iterator[SimulatedClip]:
         """Yield clips `first_index` .. of the set, each simulated when it is asked for."""

@@ -166,19 +166,8 @@ def fit_epochs(
 ) -> Best:
     """Go over all rows once an epoch, and leave the module with the weights of the best epoch.
 
-    Args:
-        module: What is trained.
-        optimiser: Of its parameters.
-        loss: Returns the loss of some rows.
-        score: Of the module after an epoch; the highest is the best.
-        count: Number of rows.
-        batch: Rows a step.
-        epochs: How often to go over them.
-        order: Returns the order of the rows in an epoch, an array or tensor (count,).
-        name: What is reported to be trained.
-        path: Checkpoint; see `fit`.
-        about: Likewise.
-        progress: Called after each epoch.
+    `loss` is that of some rows, `score` the module's after an epoch, `order` that of the rows of an
+    epoch, (count,); `path`, `about` and `progress` are as in `fit`.
     """
     steps_per_epoch = -(-count // batch)
     best = Best(module)

@@ -37,6 +37,7 @@ from geotlm_lm.training.geometry import (
 )
 
 PREDICT_BATCH = 256
+VALIDATION_SHARE = 0.15
 
 RIDGE = 1e-3
 """Added to the tokens' covariance, relative to its mean diagonal: tokens are nearly collinear."""
@@ -60,15 +61,10 @@ class Fold:
     held_out: tuple[str, ...]
 
 
-def object_folds(
-    objects: Labels, fold_count: int, *, seed: int, val_share: float = 0.15
-) -> list[Fold]:
+def object_folds(objects: Labels, fold_count: int, *, seed: int) -> list[Fold]:
     """Deal the objects of rows into folds of nearly equal object count; each is held out once.
 
-    Of the objects not held out `val_share` become validation objects, at least one.
-
-    Raises:
-        ValueError: If the objects do not suffice for three disjoint parts in each fold.
+    Of the objects not held out `VALIDATION_SHARE` become validation objects, at least one.
     """
     codes, names = group_codes(objects)
     if not 2 <= fold_count <= len(names) or len(names) < 3:
@@ -77,31 +73,25 @@ def object_folds(
             f"objects, and at least 2 folds; found {len(names)} objects"
         )
     order = generator_for(seed, "folds").permutation(len(names))
-    return list(_folds(codes, names, np.array_split(order, fold_count), seed, val_share))
+    return list(_folds(codes, names, np.array_split(order, fold_count), seed))
 
 
-def leave_one_object_out(objects: Labels, *, seed: int, val_share: float = 0.15) -> list[Fold]:
-    """Hold out each object once, in order of first appearance; arguments as in `object_folds`.
-
-    Raises:
-        ValueError: If there are fewer than three objects.
-    """
+def leave_one_object_out(objects: Labels, *, seed: int) -> list[Fold]:
+    """Hold out each object once, in order of first appearance."""
     codes, names = group_codes(objects)
     if len(names) < 3:
         raise ValueError(f"three disjoint parts need at least 3 objects; found {len(names)}")
     parts = [np.array([number]) for number in range(len(names))]
-    return list(_folds(codes, names, parts, seed, val_share))
+    return list(_folds(codes, names, parts, seed))
 
 
-def _folds(
-    codes: Rows, names: list, parts: list[Rows], seed: int, val_share: float
-) -> Iterator[Fold]:
+def _folds(codes: Rows, names: list, parts: list[Rows], seed: int) -> Iterator[Fold]:
     everything = np.arange(len(names))
     for number, test in enumerate(parts):
         rest = np.setdiff1d(everything, test)
         rest = generator_for(seed, "validation", number).permutation(rest)
         # One object stays for training and one for validation, whatever the share.
-        val_count = min(max(1, round(val_share * len(rest))), len(rest) - 1)
+        val_count = min(max(1, round(VALIDATION_SHARE * len(rest))), len(rest) - 1)
         if val_count < 1:
             raise ValueError("a fold leaves fewer than two objects for training and validation")
         val, train = rest[:val_count], rest[val_count:]
@@ -115,14 +105,10 @@ def _folds(
 
 @dataclass(frozen=True)
 class Recipe:
-    """What is trained on a fold's tokens.
+    """What is trained on a fold's tokens."""
 
-    Args:
-        parts: The parts of DGR; None for the probe on the global token alone.
-        mode: Which losses shape DGR; `grounded` needs the mask, and rows with their truth.
-    """
-
-    parts: DGRParts | None = None
+    parts: DGRParts | None = None  # the parts of DGR; None for the probe on the global token alone
+    # Which losses shape DGR; `grounded` needs the mask, and rows with their truth.
     mode: DGRMode = "paper"
 
 

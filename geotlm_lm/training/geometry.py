@@ -42,24 +42,16 @@ that turn or slide."""
 
 @dataclass(frozen=True, eq=False)
 class TokenSet:
-    """Tokens of clips with the truth that shapes DGR.
+    """Tokens of clips with the truth that shapes DGR."""
 
-    Args:
-        tokens: Frozen backbone's tokens, unstandardised, float16 or float32.
-        shear_change: True change of displacement between the bins, px, shape (n, 14, 14, 2); None
-            where only the classification loss shapes DGR.
-        contact: True contact, mean over bins, shape (n, 14, 14); None likewise.
-        motions: Index into `ALL_MOTIONS`, shape (n,).
-        is_readable: Whether the motion leaves a trace, bool, shape (n,).
-        counts_motion: Whether the shear change is a target, bool, shape (n,).
-    """
-
-    tokens: Tokens
+    tokens: Tokens  # frozen backbone's tokens, unstandardised, float16 or float32
+    # True change of displacement between the bins, px, shape (n, 14, 14, 2); None where only the
+    # classification loss shapes DGR.
     shear_change: Tensor | None
-    contact: Tensor | None
-    motions: Tensor
-    is_readable: Tensor
-    counts_motion: Tensor
+    contact: Tensor | None  # true contact, mean over bins, shape (n, 14, 14); None likewise
+    motions: Tensor  # index into `ALL_MOTIONS`, shape (n,)
+    is_readable: Tensor  # whether the motion leaves a trace, bool, shape (n,)
+    counts_motion: Tensor  # whether the shear change is a target, bool, shape (n,)
 
     @classmethod
     def of(
@@ -111,21 +103,9 @@ def train_geometry(
 ) -> GeometryModel:
     """Train DGR and the probe on `train`; keep the epoch that is best on `validation`.
 
-    Args:
-        train: Training split; the standardisers see nothing else.
-        validation: Other objects than in training.
-        mode: Which losses shape DGR.
-        read_outs: The linear maps to displacement and contact that the backbone was pretrained
-            through; grounded shear and mask start from them, being the same maps. None will do
-            for `paper`.
-        epochs: Epochs over the training split.
-        seed: Root seed.
-        path: Checkpoint.
-        device: Where to train.
-        progress: Called after each epoch.
-
-    Raises:
-        UsageError: If the checkpoint was trained on other tokens.
+    The standardisers see nothing but `train`; the objects of `validation` are others. Grounded
+    shear and mask start from the read-outs, the same linear maps to displacement and contact, that
+    the backbone was pretrained through; None will do for `paper`.
     """
     width, count = train.tokens.global_token.shape[-1], len(train.tokens)
     dgr, probe = DGR(train.tokens.patches.shape[-1], width), LinearProbe(width, ALL_MOTIONS)

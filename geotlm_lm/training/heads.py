@@ -81,22 +81,15 @@ def train_heads(
 
 @dataclass(frozen=True, eq=False)
 class EncodedClips:
-    """Clips as an encoder sees them.
+    """Clips as an encoder sees them."""
 
-    Args:
-        tokens: Global tokens in float32, patch tokens in float16, on disk.
-        inputs: What our own stem measures in each clip, float16, on disk, (n, 2, 14, 14, dim): how
-            an imprint moved is measured with it, whatever the encoder.
-        motions: The rigid motions it measures, likewise, (n, *MOTIONS_SHAPE).
-        labels: The truth of each clip.
-        objects: Name of the touched object of each clip.
-    """
-
-    tokens: Tokens
+    tokens: Tokens  # global tokens in float32, patch tokens in float16, on disk
+    # What our own stem measures in each clip, float16, on disk, (n, 2, 14, 14, dim): how an
+    # imprint moved is measured with it, whatever the encoder.
     inputs: NDArray[np.float16]
-    motions: NDArray[np.float16]
+    motions: NDArray[np.float16]  # the rigid motions it measures, likewise, (n, *MOTIONS_SHAPE)
     labels: tuple[MotionLabel, ...]
-    objects: tuple[str, ...]
+    objects: tuple[str, ...]  # name of the touched object of each clip
 
     def __len__(self) -> int:
         return len(self.labels)
@@ -117,9 +110,6 @@ def encode_examples(
     """Return the clips of `wanted`, simulating and encoding those that are not yet in `folder`.
 
     The folder holds tokens of this encoder alone; seed and name decide every clip.
-
-    Raises:
-        UsageError: If tokens are too large for half precision.
     """
     folder.mkdir(parents=True, exist_ok=True)
     about, path = folder / f"{wanted.stage}.jsonl", folder / f"{wanted.stage}.npy"

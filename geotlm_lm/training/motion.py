@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -43,28 +43,24 @@ class Truths:
         """Lay out what labels tell."""
         truths = [component_truth(label) for label in labels]
         twists = [truth.twist for truth in truths]
-        # Amounts are asked where they can be read or are known not to count.
-        asked = _numbers(
-            [
-                [
-                    truth.is_touched
-                    and (truth.is_readable[part] or truth.counts[part] is False)
-                    or None
-                    for part in COMPONENTS
-                ]
-                for truth in truths
-            ]
-        )
-        # Of what moves enough to be asked after, whether it can be read.
-        readable = [
-            [
-                truth.is_readable[part]
-                if truth.is_touched and truth.counts[part] is not False
-                else None
-                for part in COMPONENTS
-            ]
-            for truth in truths
-        ]
+
+        def each(value: Callable[[ClipTruth, Component], bool | None]) -> Tensor:
+            rows = [[value(truth, part) for part in COMPONENTS] for truth in truths]
+            return torch.tensor(
+                [[math.nan if x is None else float(x) for x in row] for row in rows]
+            )
+
+        def amount(truth: ClipTruth, part: Component) -> bool | None:
+            """Tell that an amount is asked: where it can be read or is known not to count."""
+            is_known = truth.is_readable[part] or truth.counts[part] is False
+            return True if truth.is_touched and is_known else None
+
+        def readable(truth: ClipTruth, part: Component) -> bool | None:
+            """Tell whether what moves enough to be asked after can be read."""
+            moves = truth.is_touched and truth.counts[part] is not False
+            return truth.is_readable[part] if moves else None
+
+        asked = each(amount)
         turn = np.radians([twist.turn_deg for twist in twists]).astype(np.float32)
         slide = np.array([(twist.right_px, twist.down_px) for twist in twists], np.float32)
         inward = np.array([twist.inward_mm for twist in twists], np.float32)
@@ -72,8 +68,8 @@ class Truths:
             torch.from_numpy(turn) * asked[:, 0],
             torch.from_numpy(slide) * asked[:, 1:2],
             torch.from_numpy(inward) * asked[:, 2],
-            _numbers([[truth.counts[part] for part in COMPONENTS] for truth in truths]),
-            _numbers(readable),
+            each(lambda truth, part: truth.counts[part]),
+            each(readable),
             torch.tensor([float(truth.is_touched) for truth in truths]),
         )
 
@@ -84,11 +80,6 @@ class Truths:
     def to(self, device: str) -> Truths:
         """Return them on a device."""
         return Truths(*(value.to(device) for value in vars(self).values()))
-
-
-def _numbers(rows: Sequence[Sequence[bool | None]]) -> Tensor:
-    """Return booleans as numbers, NaN for None."""
-    return torch.tensor([[math.nan if x is None else float(x) for x in row] for row in rows])
 
 
 def train_motion(

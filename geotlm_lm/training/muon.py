@@ -40,10 +40,6 @@ class Muon(torch.optim.AdamW):
 
     Muon's steps are scaled to the size of AdamW's (Liu et al. 2025, 2.2), so that both go by one
     learning rate.
-
-    Args:
-        groups: As torch's optimisers have them.
-        betas: Of AdamW.
     """
 
     def __init__(self, groups: Iterable[dict], betas: tuple[float, float]) -> None:

@@ -32,17 +32,11 @@ DEVICES = ("cpu", "cuda")
 
 @dataclass(frozen=True)
 class Ranks:
-    """One of the processes that train together.
+    """One of the processes that train together."""
 
-    Args:
-        rank: Which, from 0.
-        count: How many there are.
-        device: Where this one trains: cpu, cuda, or cuda with a number.
-    """
-
-    rank: int = 0
+    rank: int = 0  # which, from 0
     count: int = 1
-    device: str = "cpu"
+    device: str = "cpu"  # where this one trains: cpu, cuda, or cuda with a number
 
     @property
     def is_first(self) -> bool:

@@ -56,19 +56,12 @@ more touches of a twentieth of the contrast were told (34 of 60)."""
 
 @dataclass(frozen=True, eq=False)
 class RecordedForm:
-    """A simulated clip the way a recording may come.
+    """A simulated clip the way a recording may come."""
 
-    Args:
-        clip: Its four frames, the background known or estimated.
-        label: What happens until the last of them.
-        order: Which of the simulated frames they are.
-        truth: What was simulated, in the same image.
-    """
-
-    clip: Clip
-    label: MotionLabel
-    order: list[int]
-    truth: SimulatedClip
+    clip: Clip  # its four frames, the background known or estimated
+    label: MotionLabel  # what happens until the last of them
+    order: list[int]  # which of the simulated frames they are
+    truth: SimulatedClip  # what was simulated, in the same image
 
 
 def as_recorded(

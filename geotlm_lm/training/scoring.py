@@ -34,23 +34,14 @@ OPEN_TYPE = "T1"
 
 @dataclass(frozen=True, eq=False)
 class ClipSet:
-    """Perceived clips with their truth.
+    """Perceived clips with their truth."""
 
-    Args:
-        fused_tokens: z, shape (n, d).
-        global_tokens: c, shape (n, d).
-        contact_share: Mean contact mask, shape (n,).
-        measured: What is measured of each clip's motion.
-        labels: The truth of each clip.
-        objects: Name of the touched object of each clip.
-    """
-
-    fused_tokens: Tensor
-    global_tokens: Tensor
-    contact_share: NDArray[np.floating]
-    measured: Measured
+    fused_tokens: Tensor  # z, shape (n, d)
+    global_tokens: Tensor  # c, shape (n, d)
+    contact_share: NDArray[np.floating]  # mean contact mask, shape (n,)
+    measured: Measured  # what is measured of each clip's motion
     labels: Sequence[MotionLabel]
-    objects: Sequence[str]
+    objects: Sequence[str]  # name of the touched object of each clip
 
     def readable(self) -> list[int]:
         """Return the rows whose motion leaves a trace in the image."""
@@ -149,8 +140,21 @@ def score_bundle(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:
         for wordings, replies in said.items()
         for type_id in dict.fromkeys(one.type_id for one in replies)
     }
-    scores["false_directions"] = _false_directions(clips, said["seen"])
-    return scores | _scored(bundle, clips, seed)
+    # How often an open question about a clip without direction is answered with one.
+    scores["false_directions"] = _share(
+        [
+            one.claim in DIRECTED
+            for one in said["seen"]
+            if one.type_id == OPEN_TYPE and clips.labels[one.row].motion not in DIRECTED
+        ]
+    )
+    # How the most likely answer to an open question fares, and its stated probability.
+    likelihoods, truths = true_option_likelihoods(bundle, clips, seed)
+    is_right = likelihoods.argmax(axis=1) == truths
+    confidence = bundle.calibration.probabilities(likelihoods).max(axis=1)
+    scores["scored"] = _share(is_right.tolist())
+    scores["calibration_error"] = expected_calibration_error(confidence, is_right)
+    return scores
 
 
 @dataclass(frozen=True)
@@ -186,17 +190,6 @@ def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> l
     return replies
 
 
-def _scored(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, float]:
-    """Return how the most likely answer to an open question fares, and its stated probability."""
-    likelihoods, truths = true_option_likelihoods(bundle, clips, seed)
-    is_right = likelihoods.argmax(axis=1) == truths
-    confidence = bundle.calibration.probabilities(likelihoods).max(axis=1)
-    return {
-        "scored": _share(is_right.tolist()),
-        "calibration_error": expected_calibration_error(confidence, is_right),
-    }
-
-
 def _open_accuracy(replies: Sequence[_Reply], rows: Sequence[int]) -> float:
     wanted = set(rows)
     return _share([r.is_right for r in replies if r.type_id == OPEN_TYPE and r.row in wanted])
@@ -207,17 +200,6 @@ def _probe_accuracy(
 ) -> float:
     said = probe.predict(tokens[rows], motions)
     return _share([one == clips.labels[row].motion for one, row in zip(said, rows, strict=True)])
-
-
-def _false_directions(clips: ClipSet, replies: Sequence[_Reply]) -> float:
-    """Return how often an open question about a clip without direction is answered with one."""
-    return _share(
-        [
-            one.claim in DIRECTED
-            for one in replies
-            if one.type_id == OPEN_TYPE and clips.labels[one.row].motion not in DIRECTED
-        ]
-    )
 
 
 def _asked(

@@ -82,13 +82,9 @@ def train(
     Of several processes that torchrun started, all take the steps of backbone, language model and
     reader; the first one does what is left, writes and reports, and the others wait.
 
-    Args:
-        preset: Name of a preset.
-        out: Run folder; a run of the same preset and seed in it is continued.
-        seed: Root seed; on one machine, the same seed and workers give the same weights.
-        workers: Processes that simulate, and threads of each process that trains.
-        progress: Called by the first process alone.
-        device: cpu or cuda; None for cuda where there is one.
+    A run of the same preset and seed in `out` is continued. On one machine the same seed and
+    workers, which are processes that simulate and threads of each process that trains, give the
+    same weights. The device is cpu or cuda, None for cuda where there is one.
 
     Raises:
         UsageError: If the preset or device is unknown, a batch does not divide among the processes
@@ -168,21 +164,13 @@ def _provenance(settings: TrainingPreset, seed: int, workers: int, ranks: Ranks)
 
 @dataclass(frozen=True)
 class Seen:
-    """What a training has made of its backbone, and how it sees the clips.
-
-    Args:
-        model: Backbone, DGR and probes.
-        motion: The network whose beliefs everything is answered from.
-        accuracies: Of each way of training DGR, on validation objects.
-        learned: The clips that motion and language learn from.
-        validation: The clips of objects that no weight has seen.
-    """
+    """What a training has made of its backbone, and how it sees the clips."""
 
     model: GeoTLM
-    motion: MotionNetwork
-    accuracies: Mapping[str, float]
-    learned: ClipSet
-    validation: ClipSet
+    motion: MotionNetwork  # the network whose beliefs everything is answered from
+    accuracies: Mapping[str, float]  # of each way of training DGR, on validation objects
+    learned: ClipSet  # the clips that motion and language learn from
+    validation: ClipSet  # the clips of objects that no weight has seen
 
     def readings(self) -> tuple[Tensor, Sequence[MotionLabel]]:
         """Return what the language model reads of the clips it learns from, and their truth."""
@@ -324,11 +312,8 @@ def perceive(
 ) -> ClipSet:
     """Return tokens, contact share and what is measured of every clip.
 
-    Args:
-        model: Backbone and geometry.
-        clips: `Examples`, or `heads.EncodedClips`.
-        progress: Called after each batch.
-        tokens_of: Returns the tokens of some rows; None encodes their inputs.
+    Clips are `Examples` or `heads.EncodedClips`. Without `tokens_of`, which returns the tokens of
+    some rows, their inputs are encoded.
     """
     fused, plain, contact, measurements = [], [], [], []
     for start in range(0, len(clips), ENCODE_BATCH):

@@ -26,20 +26,14 @@ LEAST_MASS = 0.25
 
 @dataclass(frozen=True)
 class ClipTruth:
-    """What is true of a clip, component by component.
+    """What is true of a clip, component by component."""
 
-    Args:
-        twist: The motion about the middle of the contact.
-        counts: Whether each component counts; None where it is ambiguous, or counts but cannot be
-            seen to.
-        is_readable: Whether the picture tells how far each component goes, and which way.
-        is_touched: Whether anything touches the gel.
-    """
-
-    twist: Twist
+    twist: Twist  # the motion about the middle of the contact
+    # Whether each component counts; None where it is ambiguous, or counts but cannot be seen to.
     counts: Mapping[Component, bool | None]
+    # Whether the picture tells how far each component goes, and which way.
     is_readable: Mapping[Component, bool]
-    is_touched: bool
+    is_touched: bool  # whether anything touches the gel
 
 
 def component_truth(label: MotionLabel) -> ClipTruth:

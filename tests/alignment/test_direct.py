@@ -22,7 +22,6 @@ def parts(motion):
 
 
 def there(motion, place):
-    """Where a point of the picture goes."""
     x, y = place
     cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
     return cos * x - sin * y + motion.right_px, sin * x + cos * y + motion.down_px

@@ -20,7 +20,6 @@ FLOAT32_TOLERANCE, FLOAT64_TOLERANCE = 1e-5, 1e-9
 
 
 def oracle_sets():
-    """Return the folders that hold one folder per encoder each."""
     further = os.environ.get("GEOTLM_ORACLES", "").split(os.pathsep)
     shared = Path(__file__).resolve().parents[3] / "shared" / "oracles"
     return [shared, *(Path(folder) for folder in further if folder)]
@@ -57,7 +56,6 @@ class Oracle:
         return value.to(dtype) if value.is_floating_point() else value
 
     def error(self, found, name):
-        """Return the relative error of a whole tensor."""
         return relative_error(found, self.stored[f"out.{name}"], name)
 
 

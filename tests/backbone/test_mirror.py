@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from geotlm_lm.backbone import imprint
-from geotlm_lm.backbone.stem import Mirror, measure_clip, mirrored_field, mirrored_inputs
+from geotlm_lm.backbone.stem import Mirror, measure_clip, mirrored_inputs
 from geotlm_lm.simulation.simulate import simulate_series
 from tests.backbone.test_stem import moving_clip
 
@@ -20,7 +20,6 @@ def seen(clip):
 
 
 def turned_over(clip, mirror):
-    """The clip's own frames in the mirror."""
     frames = np.flip(clip.frames, 1 + mirror.value)
     background = np.flip(clip.background, mirror.value)
     return replace(
@@ -62,9 +61,3 @@ def test_a_second_mirror_undoes_the_first(clips, mirror):
     once = mirrored_inputs(inputs, mirror)
     assert not torch.equal(once, inputs)
     assert torch.equal(mirrored_inputs(once, mirror), inputs)
-
-
-def test_a_mirror_turns_only_the_motion_across_it():
-    field = torch.tensor([1.0, 2.0]).expand(1, 2, 14, 14, 2)
-    assert mirrored_field(field, Mirror.LEFT_AND_RIGHT)[0, 0, 0, 0].tolist() == [-1, 2]
-    assert mirrored_field(field, Mirror.TOP_AND_BOTTOM)[0, 0, 0, 0].tolist() == [1, -2]

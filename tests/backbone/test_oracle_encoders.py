@@ -1,11 +1,26 @@
 """Expected values: outputs of the encoders' own public code on small random weights."""
 
+from functools import partial
+
 import pytest
 import torch
 
 from geotlm_lm.backbone.encoder_modules import sinusoids
 from geotlm_lm.backbone.encoders import GELSIGHT_MINI
-from tests.backbone.oracles import FLOAT32_TOLERANCE, FLOAT64_TOLERANCE, check, relative_error
+from tests.backbone.oracles import (
+    FLOAT32_TOLERANCE,
+    FLOAT64_TOLERANCE,
+    Oracle,
+    check,
+    oracle_sets,
+    relative_error,
+)
+
+
+@pytest.fixture(params=oracle_sets(), ids=str)
+def oracles(request):
+    """Return what loads one encoder's folder by name, from each set in turn."""
+    return partial(Oracle, request.param)
 
 
 def anytouch2(module, oracle, dtype):

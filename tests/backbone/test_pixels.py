@@ -21,7 +21,6 @@ SIZES = {
 
 
 def flat_clip(colours, idle=(100, 120, 140), size=(240, 320)):
-    """A clip whose frames are of one colour each."""
     frames = np.array(colours, np.uint8)[:, None, None, :] * np.ones((1, *size, 1), np.uint8)
     return Clip(frames, background=np.full((*size, 3), idle, np.uint8))
 
@@ -70,7 +69,6 @@ def test_unit_sees_blue_first_between_0_and_1():
 
 
 def marked_clip(row, column, size=(240, 320)):
-    """A grey clip with a bright square around one point."""
     frame = np.full((*size, 3), 100, np.uint8)
     frame[max(row - 8, 0) : row + 8, max(column - 8, 0) : column + 8] = 250
     return Clip(np.stack([frame] * 4), background=np.full((*size, 3), 100, np.uint8))
@@ -87,16 +85,20 @@ def brightest(image):
     ) / columns
 
 
-@pytest.mark.parametrize("name", ["anytouch2", "anytouch1", "internvit", "unit"])
-def test_the_whole_picture_is_squeezed_into_the_image(name):
-    image = pixels(name, marked_clip(60, 240))[0, 1]
-    assert brightest(image) == pytest.approx((0.25, 0.75), abs=0.01)
-
-
-def test_sparsh_sees_a_landscape_picture_turned_clockwise():
-    # A quarter down and three quarters right; turned clockwise, rows run right to left.
-    image = pixels("sparsh", marked_clip(60, 240))[1, 0]
-    assert brightest(image) == pytest.approx((0.75, 0.75), abs=0.01)
+@pytest.mark.parametrize(
+    ("name", "at"),
+    [
+        *((name, (0.25, 0.75)) for name in ("anytouch2", "anytouch1", "internvit", "unit")),
+        # Turned clockwise rows run right to left.
+        ("sparsh", (0.75, 0.75)),
+        # 256 rows high the picture is 341 wide; 224 of each are kept.
+        ("t3", ((75 * 256 / 240 - 16) / 224, (170 * 341 / 320 - 58) / 224)),
+    ],
+)
+def test_each_encoder_sees_a_place_where_its_authors_preparation_puts_it(name, at):
+    place = (75, 170) if name == "t3" else (60, 240)
+    seen = pixels(name, marked_clip(*place))
+    assert brightest(seen[1, 0] if name == "sparsh" else seen[0, 1]) == pytest.approx(at, abs=0.01)
 
 
 def test_sparshs_grid_is_turned_back_to_the_camera():
@@ -129,13 +131,6 @@ def test_sparshs_grid_is_turned_back_to_the_camera():
     assert brightest(late) == pytest.approx((0.75, 0.25), abs=0.02)
 
 
-def test_t3_sees_the_middle_of_the_picture():
-    # 256 rows high the picture is 341 wide; 224 of each are kept.
-    image = pixels("t3", marked_clip(75, 170))[0, 1]
-    row, column = (75 * 256 / 240 - 16) / 224, (170 * 341 / 320 - 58) / 224
-    assert brightest(image) == pytest.approx((row, column), abs=0.01)
-
-
 def test_the_view_is_told_where_it_is_a_square_of_the_image():
     camera, square = flat_clip(COLOURS), flat_clip(COLOURS, size=(300, 300))
     assert ENCODERS["anytouch2"].view(camera).side_px == IMAGE_SIDE
@@ -145,14 +140,10 @@ def test_the_view_is_told_where_it_is_a_square_of_the_image():
     assert ENCODERS["t3"].view(square).side_px == pytest.approx(196)
 
 
-@pytest.mark.parametrize("name", SIZES)
-def test_a_clip_of_another_length_is_refused(name):
-    clip = flat_clip(COLOURS[:3])
-    with pytest.raises(ValueError, match="an encoder reads 4 frames, found 3"):
-        pixels(name, clip)
-
-
-@pytest.mark.parametrize("name", ["anytouch2", "sparsh"])
-def test_a_clip_without_an_idle_frame_is_refused_where_one_is_needed(name):
-    with pytest.raises(ValueError, match="reads the difference from an idle frame, found none"):
-        pixels(name, Clip(flat_clip(COLOURS).frames))
+def test_a_clip_of_another_length_or_without_its_idle_frame_is_refused():
+    for name in SIZES:
+        with pytest.raises(ValueError, match="an encoder reads 4 frames, found 3"):
+            pixels(name, flat_clip(COLOURS[:3]))
+    for name in ("anytouch2", "sparsh"):
+        with pytest.raises(ValueError, match="reads the difference from an idle frame, found none"):
+            pixels(name, Clip(flat_clip(COLOURS).frames))

@@ -9,7 +9,6 @@ import torch
 from geotlm_lm.backbone.encoders import ENCODERS
 from geotlm_lm.backbone.released import load_encoder
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.dgr.encoder import DGR
 from tests.backbone.small_files import write_small
 
 RNG = np.random.default_rng(1)
@@ -66,10 +65,3 @@ def test_a_clip_that_stands_still_has_equal_bins_where_bins_have_no_position(enc
     early, late = encoder.encode([replace(still, frames=frames)]).patches[0]
     has_time = encoder.row.name in ("anytouch2", "sparsh")
     assert torch.allclose(early, late, atol=1e-5) != has_time
-
-
-def test_dgr_reads_the_tokens_of_every_encoder(encoder):
-    tokens = encoder.encode([clip(), clip()])
-    geometry = DGR(encoder.patch_shape[-1], encoder.width)(tokens.patches)
-    assert geometry.shear_change.shape == (2, *encoder.patch_shape[1:3], 2)
-    assert (tokens.global_token + geometry.feature).shape == (2, encoder.width)

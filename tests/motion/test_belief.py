@@ -29,22 +29,7 @@ def beliefs(draw):
     return Belief(twist, factor @ factor.T, ways, draw(SHARES), draw(st.floats(4, 60)), readable)
 
 
-def all_of(belief):
-    return belief.mean, belief.covariance.tolist(), dict(belief.ways), belief.readable
-
-
 SEEN = (MIRRORED, BACKWARDS)
-
-
-@given(beliefs(), st.sampled_from(SEEN))
-def test_seen_twice_the_other_way_it_is_what_it_was(belief, way):
-    assert all_of(belief.seen(way).seen(way)) == all_of(belief)
-
-
-@given(beliefs())
-def test_mirror_and_reversal_may_come_in_either_order(belief):
-    there, back = belief.seen(MIRRORED), belief.seen(BACKWARDS)
-    assert all_of(there.seen(BACKWARDS)) == all_of(back.seen(MIRRORED))
 
 
 @given(beliefs(), st.sampled_from(SEEN), st.sampled_from(COMPONENTS))
@@ -112,19 +97,6 @@ def believed(twist, covariance=None, **counts):
     ways |= {Motion(way): share for way, share in counts.items()}
     covariance = np.eye(4) if covariance is None else covariance
     return Belief(twist, covariance, ways, 1.0, 20.0, dict.fromkeys(COMPONENTS, True))
-
-
-def test_mirrored_left_goes_right_and_reversed_a_press_lets_go():
-    belief = believed(Twist(5.0, -3.0, 1.0, 0.2), left=0.7, clockwise=0.6, press=0.5)
-    flipped, back = belief.seen(MIRRORED), belief.seen(BACKWARDS)
-    assert flipped.mean == Twist(-5.0, 3.0, 1.0, 0.2)
-    assert [flipped.way(one) for one in COMPONENTS] == [
-        Motion.COUNTERCLOCKWISE,
-        Motion.RIGHT,
-        Motion.PRESS,
-    ]
-    assert (back.mean.inward_mm, back.way(Component.PRESS)) == (-0.2, Motion.RELEASE)
-    assert replace(belief, numbers=(1.0,)).seen(MIRRORED).numbers == ()
 
 
 def test_a_slides_spread_is_that_along_its_way():

@@ -10,7 +10,6 @@ import torch
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 from geotlm_lm.motion.network import (
-    BELIEF_NUMBERS,
     GREEN_CHAINED,
     GREEN_DIRECT,
     START_WEIGHT,
@@ -58,10 +57,6 @@ def test_hints_beyond_all_measure_leave_what_is_told_finite(trained):
         told = trained(replace(seen, hints=torch.full_like(seen.hints, strange)))
         assert bool(told.vector().isfinite().all())
         assert bool((told.deviation > 0).all())
-
-
-def test_a_belief_in_one_vector_has_the_numbers_the_language_model_reads(trained):
-    assert trained(found()).vector().shape == (6, BELIEF_NUMBERS)
 
 
 def heading(trained, *ways, deviation=1.0):

@@ -73,13 +73,6 @@ def test_separable_rows_are_told_apart_and_the_weights_stay_finite():
         fit_logistic(torch.zeros(1, 1), [SLIDES[0]], ROTATIONS)
 
 
-def test_training_rows_come_out_with_mean_zero_and_spread_one():
-    rows = torch.randn(200, 5, generator=torch.Generator().manual_seed(0)) * 7 + 3
-    out = Standardiser.fit(rows).apply(rows)
-    assert torch.allclose(out.mean(0), torch.zeros(5), atol=1e-6)
-    assert torch.allclose(out.std(0, unbiased=False), torch.ones(5), atol=1e-6)
-
-
 def test_a_constant_feature_becomes_zero_and_never_infinite():
     rows = torch.tensor([0.0, 3.3, 1e6]).expand(10, 3)
     assert torch.equal(Standardiser.fit(rows).apply(rows), torch.zeros(10, 3))
@@ -89,7 +82,8 @@ def test_a_large_offset_does_not_hide_a_small_signal():
     signal = torch.arange(64, dtype=torch.float64)[:, None]
     fitted = Standardiser.fit(1e4 + signal)
     # Closed form: the standard deviation of 0..n-1 is sqrt((n^2 - 1) / 12).
-    assert fitted.scale.item() == pytest.approx(((64**2 - 1) / 12) ** 0.5)
+    deviation = ((64**2 - 1) / 12) ** 0.5
+    torch.testing.assert_close(fitted.apply(1e4 + signal), (signal - 31.5) / deviation)
 
 
 def test_rows_are_required():

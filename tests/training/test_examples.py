@@ -133,7 +133,6 @@ def label(motion):
 
 
 def drawn(motion, change_grey, count=120):
-    """What becomes of a clip, seed by seed."""
     return [
         damage_clip(CLIP, label(motion), change_grey, np.random.default_rng(seed))
         for seed in range(count)

@@ -112,15 +112,6 @@ def test_read_outs_of_the_truth_give_displacement_and_contact_back():
     assert found.mask[~touched].max() < 0.2
 
 
-def test_rates_are_the_papers():
-    part = standardise_fold(DATA, FOLD).train.tokens
-    reader = folds._Reader(part, DIRECTED, Recipe(DGRParts()), 0)
-    assert [group["lr"] for group in reader.rates()] == [1e-3, 3e-4]
-    assert (folds.WEIGHT_DECAY, folds.BATCH) == (0.01, 32)
-    grouped = sum(len(group["params"]) for group in reader.rates())
-    assert grouped == len(list(reader.parameters()))
-
-
 OBJECTS = [f"object {number % 11}" for number in range(130)]
 
 

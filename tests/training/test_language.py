@@ -40,68 +40,39 @@ def tokens():
     return torch.randn(len(LABELS), 12, generator=torch.Generator().manual_seed(0)) * 3 + 1
 
 
-@pytest.fixture(scope="module")
-def straight(tokens, tmp_path_factory):
-    return weights(
-        train_language(tokens, LABELS, config=CONFIG, folder=tmp_path_factory.mktemp("straight"))
-    )
-
-
-def weights(speaker):
+def trained(tokens, folder, config=CONFIG, progress=lambda *_: None):
+    speaker = train_language(tokens, LABELS, config=config, folder=folder, progress=progress)
     return {name: value.clone() for name, value in speaker.model.state_dict().items()}
 
 
-def same(one, two):
-    return one.keys() == two.keys() and all(torch.equal(one[name], two[name]) for name in one)
+def test_one_seed_gives_the_same_weights_also_after_an_interruption(tokens, tmp_path):
+    steps = []
 
-
-def interrupt_after(count):
-    def progress(what, step, steps):
-        if step == count:
+    def interrupted(_, step, of):
+        steps.append((step, of))
+        if len(steps) == 3:
             raise KeyboardInterrupt
 
-    return progress
-
-
-def test_an_interrupted_run_resumes_to_the_same_weights(tokens, straight, tmp_path):
+    straight = trained(tokens, tmp_path / "straight")
     with pytest.raises(KeyboardInterrupt):
-        train_language(tokens, LABELS, config=CONFIG, folder=tmp_path, progress=interrupt_after(3))
-    steps = []
-    resumed = train_language(
-        tokens,
-        LABELS,
-        config=CONFIG,
-        folder=tmp_path,
-        progress=lambda what, step, of: steps.append((step, of)),
-    )
-    assert steps == [(4, 6), (5, 6), (6, 6)]
-    assert same(weights(resumed), straight)
+        trained(tokens, tmp_path / "broken", progress=interrupted)
+    resumed = trained(tokens, tmp_path / "broken", progress=interrupted)
+    assert steps == [(step, 6) for step in range(1, 7)]
+    assert straight.keys() == resumed.keys()
+    assert all(torch.equal(resumed[name], value) for name, value in straight.items())
+    other = trained(tokens, tmp_path / "other", replace(CONFIG, seed=1))
+    assert not all(torch.equal(other[name], value) for name, value in straight.items())
 
 
-def test_the_same_seed_gives_the_same_weights_and_another_others(tokens, straight, tmp_path):
-    again = train_language(tokens, LABELS, config=CONFIG, folder=tmp_path / "a")
-    other = train_language(tokens, LABELS, config=replace(CONFIG, seed=1), folder=tmp_path / "b")
-    assert same(weights(again), straight)
-    assert not torch.equal(
-        weights(other)["model.projector.expand.weight"], straight["model.projector.expand.weight"]
-    )
-
-
-def test_a_checkpoint_of_other_settings_is_refused(tokens, tmp_path):
-    train_language(tokens, LABELS, config=replace(CONFIG, steps=1), folder=tmp_path)
-    with pytest.raises(UsageError) as caught:
-        train_language(tokens, LABELS, config=replace(CONFIG, batch=4), folder=tmp_path)
-    assert str(caught.value) == (
-        f"{tmp_path / 'language_checkpoint.pt'}: was trained with another setting of "
-        f"['batch', 'steps']; delete it to start over, or train into another folder."
-    )
-
-
-def test_a_checkpoint_of_other_tokens_is_refused(tokens, tmp_path):
+@pytest.mark.parametrize(
+    ("batch", "shift", "reason"),
+    [(4, 0, r"another setting of \['batch'\]; delete it to start over"), (8, 1, "fused_tokens")],
+)
+def test_a_checkpoint_of_another_run_is_refused(tokens, tmp_path, batch, shift, reason):
     config = replace(CONFIG, steps=1)
-    train_language(tokens, LABELS, config=config, folder=tmp_path)
-    with pytest.raises(UsageError, match="fused_tokens"):
-        train_language(tokens + 1, LABELS, config=config, folder=tmp_path)
+    trained(tokens, tmp_path, config)
+    with pytest.raises(UsageError, match=reason):
+        trained(tokens + shift, tmp_path, replace(config, batch=batch))
 
 
 def test_the_loss_is_that_of_the_answer_tokens_alone(tokens):

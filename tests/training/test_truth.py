@@ -86,13 +86,6 @@ def test_an_error_counts_relative_to_the_displacement_told_plus_true(told, true)
     assert float(loss) == pytest.approx(expected, abs=1e-6)
 
 
-def test_a_large_motion_counts_little_more_than_a_small_one():
-    weight = torch.ones(1, 3, 3)
-    small = motion_loss(field(0.0), field(3.0), weight)
-    large = motion_loss(field(0.0), field(60.0), weight)
-    assert 1 < large / small < 1.5
-
-
 def test_what_is_told_outside_contact_or_of_a_clip_that_does_not_count_is_free():
     told, true = field(3.0, clips=2), field(3.0, clips=2)
     weight = torch.ones(2, 3, 3)
