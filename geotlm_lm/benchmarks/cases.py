@@ -227,24 +227,13 @@ def window_cases(recordings: LabelledRecordings) -> Iterator[Case]:
         yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
 
 
-def without_idle_frame(case: Case) -> Case:
-    """Show a clip as one that starts in contact: each method has to guess the idle gel."""
-    return replace(case, clip=replace(case.clip, background=None))
-
-
 def held_across(case: Case) -> Case:
     """Show a clip as a sensor held across records it, turned by 90 degrees counterclockwise."""
-    return replace(
-        case, clip=turned_by_quarter(case.clip), motion=Edit.of("quarter-ccw").of_way(case.motion)
-    )
-
-
-def turned_by_quarter(clip: Clip) -> Clip:
-    """Return a clip turned by 90 degrees counterclockwise."""
-    frames = np.ascontiguousarray(np.rot90(clip.frames, axes=(1, 2)))
-    idle = clip.background
+    frames = np.ascontiguousarray(np.rot90(case.clip.frames, axes=(1, 2)))
+    idle = case.clip.background
     idle = None if idle is None else np.ascontiguousarray(np.rot90(idle))
-    return replace(clip, frames=frames, background=idle)
+    clip = replace(case.clip, frames=frames, background=idle)
+    return replace(case, clip=clip, motion=Edit.of("quarter-ccw").of_way(case.motion))
 
 
 def open_data_sets(paths: Sequence[Path]) -> dict[str, DataSet]:

@@ -50,17 +50,6 @@ from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
 from geotlm_lm.training.recording_forms import bin_means, truth_in_view
 from geotlm_lm.training.truth import counts_motion
 
-ABOUT = """\
-*Ours* are simulated clips of everyday objects that no weight of the backbone was trained on;
-*published* are the paper's figures, on other data and through its own backbone. They share a
-protocol, not data: a difference between the two says nothing about either. Mean accuracy and
-standard deviation (n - 1) over folds. No object stands in two of a fold's three parts; the epoch is
-chosen on the validation objects. *Probe on c* reads the global token alone: the paper's bare
-backbone, AnyTouch 2. *DGR, paper* is the paper's GeoTLM; *grounded* is shaped by true displacement
-and contact as well. *Curl + LR* takes the curl of the imprint's optical flow. *Region pool only*
-weighs every patch alike; *contact mask only* keeps the weighted mean over the grid; *neither* is
-the plain mean. Two frames are the first and the last of the same clip, fed as a, a, b, b."""
-
 SEED = 42
 """Paper: training is seeded by 42 and the fold's number; a run's own seed is added."""
 
@@ -131,12 +120,7 @@ class TaskClips:
 def task_clips(
     backbone: Backbone, task: str, objects: Sequence[str], count: int, seed: int, progress: Progress
 ) -> TaskClips:
-    """Simulate and encode `count` readable clips of each object in a task, batch by batch.
-
-    Raises:
-        UsageError: If the simulator finds too few readable clips, or tokens are too large for half
-            precision.
-    """
+    """Simulate and encode `count` readable clips of each object in a task, batch by batch."""
     columns: dict[str, list[NDArray]] = {}
     for done, name in enumerate(objects):
         progress(f"paper's protocols, {task}: objects encoded", done, len(objects))
@@ -348,7 +332,16 @@ _TOGETHER = {
 PROTOCOLS = Section(
     name="protocols",
     title="The paper's protocols",
-    about=ABOUT,
+    about="""\
+*Ours* are simulated clips of everyday objects that no weight of the backbone was trained on;
+*published* are the paper's figures, on other data and through its own backbone. They share a
+protocol, not data: a difference between the two says nothing about either. Mean accuracy and
+standard deviation (n - 1) over folds. No object stands in two of a fold's three parts; the epoch is
+chosen on the validation objects. *Probe on c* reads the global token alone: the paper's bare
+backbone, AnyTouch 2. *DGR, paper* is the paper's GeoTLM; *grounded* is shaped by true displacement
+and contact as well. *Curl + LR* takes the curl of the imprint's optical flow. *Region pool only*
+weighs every patch alike; *contact mask only* keeps the weighted mean over the grid; *neither* is
+the plain mean. Two frames are the first and the last of the same clip, fed as a, a, b, b.""",
     run=protocol_rows,
     views={
         "Rotation, ours and published": (_BY_METHOD, _of(MAIN, "rotation")),

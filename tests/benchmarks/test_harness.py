@@ -145,21 +145,6 @@ def results(toy, tmp_path):
     return toy[0], tmp_path / "results", readme
 
 
-def test_readme_and_page_are_filled_from_the_record_and_then_agree(results):
-    bench, folder, readme = results
-    with pytest.raises(StaleResults, match="its numbers differ from the records"):
-        check_results([bench], folder, readme)
-    assert render_results([bench], folder, readme) == [readme]
-    assert "2 rows, worst 0.5" in readme.read_text()
-    assert readme.read_text().endswith("After.\n")
-    assert render_results([bench], folder, readme) == []
-    check_results([bench], folder, readme)
-    path = folder / "toy.md"
-    path.write_text(path.read_text().replace("0.25", "0.05"))
-    with pytest.raises(StaleResults, match="toy.md: its numbers differ"):
-        check_results([bench], folder, readme)
-
-
 @pytest.mark.parametrize(
     ("text", "says"),
     [
