@@ -219,7 +219,9 @@ def amount_rows(run: Run) -> Iterator[Row]:
         run.progress(f"how far, {title}", 0, 1)
         answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
         for moved in clips:
-            answers.setdefault(BELIEF, []).append((moved, _believed_amount(run.answerer, moved)))
+            encoded, component = run.answerer.encode(moved.clip), COMPONENT_OF[moved.motion].value
+            told = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
+            answers.setdefault(BELIEF, []).append((moved, told))
             for name, rival in FITS.items():
                 answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
         for method, pairs in answers.items():
@@ -272,12 +274,6 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
     first, *others = map(length, COLUMNS[unit])
     agree = first and all(x is None or within_tolerance(x, first, unit) for x in others)
     return first if agree else None
-
-
-def _believed_amount(answerer: Answerer, moved: Moved) -> Measure:
-    component = Component.TURN if moved.unit == "deg" else Component.SLIDE
-    encoded = answerer.encode(moved.clip)
-    return measure(component.value, encoded.belief, FrameSpec(), recording_of(encoded))
 
 
 def fitted_amount(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:

@@ -169,7 +169,6 @@ def extreme_clips(
 
 
 def _constant_clips(idle: Frames) -> dict[str, Extreme]:
-    """Return constant images with and without an idle gel, and that gel with one bright pixel."""
     clips = {}
     for name, grey in (("black", 0), ("grey 128", 128), ("white", 255)):
         flat = np.full((FRAME_COUNT, *idle.shape), grey, np.uint8)

@@ -269,7 +269,14 @@ def task_rows(task: str, run: Run) -> list[Row]:
     objects, seed = tuple(EVERYDAY_OBJECTS)[: run.size(None, FOLD_COUNT)], SEED + run.seed
     with threads(1):
         count = run.size(CLIPS, 2)
-        clips = task_clips(_backbone(run), task, objects, count, seed, run.progress)
+        if run.encoder is None:
+            backbone = run.answerer.bundle.model.backbone
+        else:
+            from geotlm_lm.backbone.released import load_encoder
+
+            given = load_encoder(run.encoder.weights, run.encoder.name, heads=run.encoder.heads)
+            backbone = given.to("cuda" if torch.cuda.is_available() else "cpu")
+        clips = task_clips(backbone, task, objects, count, seed, run.progress)
         return [row for name in DEALT for row in _rows(run, task, name, clips)]
 
 
@@ -284,15 +291,6 @@ def _rows(run: Run, task: str, protocol: str, clips: TaskClips) -> Iterator[Row]
         right, mean, detail = fold_scores(clips, folds, [own[name][0] for own in outcomes])
         detail["parameters"] = outcomes[0][name][1]
         yield replace(share_row(case, name, right, clips.objects), error=1 - mean, detail=detail)
-
-
-def _backbone(run: Run) -> Backbone:
-    if run.encoder is None:
-        return run.answerer.bundle.model.backbone
-    from geotlm_lm.backbone.released import load_encoder
-
-    released = load_encoder(run.encoder.weights, run.encoder.name, heads=run.encoder.heads)
-    return released.to("cuda" if torch.cuda.is_available() else "cpu")
 
 
 def published_rows(task: str) -> Iterator[Row]:

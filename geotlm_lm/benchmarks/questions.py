@@ -245,7 +245,6 @@ def _windows(recordings: LabelledRecordings, count: int) -> Iterator[tuple[Clip,
 def _ask_type(
     answerer: Answerer, encoded: Encoded, label: MotionLabel, type_id: str, rng: np.random.Generator
 ) -> Asked:
-    """Ask a question of a type in a seen and in an unseen wording."""
     frame = FrameSpec()
     if type_id == THREAD:
         side = SIDES[int(rng.integers(len(SIDES)))]

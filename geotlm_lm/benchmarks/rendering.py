@@ -159,7 +159,7 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
                 f"`geotlm-lm bench render`."
             )
     for _, rows, path in _figures(benches, folder):
-        if _described(path) != _digest(rows):
+        if not (path.exists() and _shows(path, rows)):
             raise StaleResults(
                 f"{path}: is missing or shows other numbers than its record; run "
                 f"`geotlm-lm bench render --figures`."
@@ -221,13 +221,11 @@ def _block(name: str, record: RunRecord | None, section: Section) -> str:
     return f"{section.headline(rows)}\n\n{provenance(record, section.name)}"
 
 
-def _described(path: Path) -> str | None:
-    if not path.exists():
-        return None
+def _shows(path: Path, rows: Sequence[Row]) -> bool:
     from PIL import Image
 
     with Image.open(path) as picture:
-        return picture.info.get("Description")
+        return picture.info.get("Description") == _digest(rows)
 
 
 def _record(folder: Path, name: str) -> RunRecord | None:

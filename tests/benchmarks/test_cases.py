@@ -1,18 +1,15 @@
 """Clips have the motions, sets, halves and sources that their titles say."""
 
-import tomllib
 from collections import Counter
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from geotlm_lm.benchmarks import cases, clips
+from geotlm_lm.benchmarks import clips
 from geotlm_lm.benchmarks.cases import (
     HALVES,
     half_of,
-    hashed_half,
     held_across,
     open_data_sets,
     real_recordings,
@@ -21,7 +18,6 @@ from geotlm_lm.benchmarks.cases import (
     semi_real_slides,
     simulated_cases,
     task_of,
-    tracked_pairs,
     window_cases,
 )
 from geotlm_lm.benchmarks.harness import Run
@@ -30,12 +26,10 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.data.tactile_tracking import TactileTracking
 from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation import simulate
 from tests.data.action_clips import write_actions
-from tests.data.test_tactile_tracking import steady_turn
 from tests.data.tracked_trials import path_of, write_trial
 
 
@@ -113,14 +107,6 @@ def test_a_window_turned_by_a_quarter_is_turned_with_its_label_and_its_idle_gel(
     assert across.clip.frame_numbers == upright.frame_numbers
 
 
-LISTED = tomllib.loads(Path(cases.__file__).with_name("halves.toml").read_text())
-
-
-@pytest.mark.parametrize("half", HALVES)
-def test_every_listed_family_is_where_its_hash_puts_it(half):
-    assert all(half_of(family) == hashed_half(family) == half for family in LISTED[half])
-
-
 def test_rows_are_of_one_half_or_of_both():
     rows = [SimpleNamespace(object_family=name) for name in ("lemon", "tsa", "unheard of", "pen")]
     reported, tuned = (rows_of_half(rows, half) for half in HALVES)
@@ -160,12 +146,6 @@ def test_trials_are_judged_as_the_papers_two_tasks(tracked):
     assert turns.detail["pairs"]["paper_share"] == pytest.approx(3 / 84)
     assert clips.left_out(turns) == "1 whose files cannot be used"
     assert "bead1: gelsight.avi is missing" in turns.detail["first_left_out"][0]
-
-
-def test_the_rule_is_the_one_whose_count_comes_nearest_to_the_papers_share():
-    """One degree a frame, 60 frames: 4,088 of 84 trials are 49 of one; a gap of 10 has 50 pairs."""
-    pairs, facts = tracked_pairs(TactileTracking("here", (steady_turn(1.0),)), "rotation")
-    assert (facts["rule"]["gap_frames"], facts["found"], len(pairs[0][1])) == (10, 50, 50)
 
 
 @pytest.fixture(scope="module")
