@@ -48,23 +48,6 @@ if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
     from geotlm_lm.motion.belief import Belief
 
-MIXTURES_ABOUT = """\
-Everyday objects that turn, slide and press freely at once. Of each component that counts and shows,
-the *way* is right with the sign of a turn or a press, and of a slide with a heading at most 45
-degrees off; *how far* within 2 degrees, 2 pixels, 0.2 mm or a fifth; the *span*, nine in ten, holds
-the truth. *Counts* is whether a component is told where it counts and not told where it does not;
-what is ambiguous, or counts and hardly shows, is left out. *Both ways* needs a turn and a slide
-told, each the right way. Words are asked about each component apart."""
-
-AMOUNTS_ABOUT = """\
-The kind of motion is given; only how far it went from the first to the last frame is asked. An
-amount is right if it is off by 2 degrees, 2 pixels of a 224-pixel image, or a fifth of the true
-one, at most; *off by* is relative to the true one. The belief also tells a span meant to hold
-nine tenths of the true amounts, and how probable its amount is right. Simulated and semi-real
-amounts are exact. Those of real windows were measured from the images: where two measurements
-differ by more than the tolerance the window is left out, and on gels with markers they are how far
-the markers went, which lag behind the object. Intervals resample families of objects."""
-
 MIXED_CLIPS, CLIPS = 600, 300
 
 UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
@@ -236,7 +219,9 @@ def amount_rows(run: Run) -> Iterator[Row]:
         run.progress(f"how far, {title}", 0, 1)
         answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
         for moved in clips:
-            answers.setdefault(BELIEF, []).append((moved, _believed_amount(run.answerer, moved)))
+            encoded, component = run.answerer.encode(moved.clip), COMPONENT_OF[moved.motion].value
+            told = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
+            answers.setdefault(BELIEF, []).append((moved, told))
             for name, rival in FITS.items():
                 answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
         for method, pairs in answers.items():
@@ -247,7 +232,14 @@ def _sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
     """Yield titles and clips: simulated, real windows whose tables tell how far, semi-real."""
     few = slice(run.size(None, 2))
     for task, unit in TASK_UNITS.items():
-        yield f"simulated {task}", _simulated(run, task, unit)
+        clips = simulated_clips(task, run.size(CLIPS, 4), run.seed)
+        yield (
+            f"simulated {task}",
+            (
+                Moved(made.clip, unit, amount_of(made.label), made.label.motion, made.object_name)
+                for made in clips
+            ),
+        )
     for name, half, real in recordings_by_half(run.real):
         for task, unit in TASK_UNITS.items():
             rows = tuple(row for row in real.rows if known_amount(row, unit))[few]
@@ -257,11 +249,6 @@ def _sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
         slides = semi_real_slides(touched, run.seed)
         moved = (Moved(case.clip, "px", px, case.motion, case.family) for case, px in slides)
         yield titled(f"semi-real {name}, sliding", half), moved
-
-
-def _simulated(run: Run, task: str, unit: Unit) -> Iterator[Moved]:
-    for made in simulated_clips(task, run.size(CLIPS, 4), run.seed):
-        yield Moved(made.clip, unit, amount_of(made.label), made.label.motion, made.object_name)
 
 
 def _windows(recordings: LabelledRecordings, unit: Unit) -> Iterator[Moved]:
@@ -287,12 +274,6 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
     first, *others = map(length, COLUMNS[unit])
     agree = first and all(x is None or within_tolerance(x, first, unit) for x in others)
     return first if agree else None
-
-
-def _believed_amount(answerer: Answerer, moved: Moved) -> Measure:
-    component = Component.TURN if moved.unit == "deg" else Component.SLIDE
-    encoded = answerer.encode(moved.clip)
-    return measure(component.value, encoded.belief, FrameSpec(), recording_of(encoded))
 
 
 def fitted_amount(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
@@ -337,7 +318,13 @@ _COLUMNS = {
 MIXTURES = Section(
     name="mixtures",
     title="Turn, slide and press at once",
-    about=MIXTURES_ABOUT,
+    about="""\
+Everyday objects that turn, slide and press freely at once. Of each component that counts and shows,
+the *way* is right with the sign of a turn or a press, and of a slide with a heading at most 45
+degrees off; *how far* within 2 degrees, 2 pixels, 0.2 mm or a fifth; the *span*, nine in ten, holds
+the truth. *Counts* is whether a component is told where it counts and not told where it does not;
+what is ambiguous, or counts and hardly shows, is left out. *Both ways* needs a turn and a slide
+told, each the right way. Words are asked about each component apart.""",
     run=mixture_rows,
     views={"": (Pivot(right_with_interval, "clips, what is graded"), every)},
 )
@@ -345,7 +332,14 @@ MIXTURES = Section(
 AMOUNTS = Section(
     name="amounts",
     title="How far it goes",
-    about=AMOUNTS_ABOUT,
+    about="""\
+The kind of motion is given; only how far it went from the first to the last frame is asked. An
+amount is right if it is off by 2 degrees, 2 pixels of a 224-pixel image, or a fifth of the true
+one, at most; *off by* is relative to the true one. The belief also tells a span meant to hold
+nine tenths of the true amounts, and how probable its amount is right. Simulated and semi-real
+amounts are exact. Those of real windows were measured from the images: where two measurements
+differ by more than the tolerance the window is left out, and on gels with markers they are how far
+the markers went, which lag behind the object. Intervals resample families of objects.""",
     run=amount_rows,
     views=by_half(Listing(_COLUMNS)),
 )

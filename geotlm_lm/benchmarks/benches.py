@@ -149,10 +149,14 @@ def _measured(bench: Bench, run: Run, names: Sequence[str]) -> dict[str, dict[st
                 progress=progress,
             )
             results = {part: load_json(path) for part, path in jobs}
-    return {
-        section.name: _joined([results[part] for part in parts if part[0] == section.name])
-        for section in asked
-    }
+    sections = {}
+    for section in asked:
+        shares = [results[part] for part in parts if part[0] == section.name]
+        sections[section.name] = shares[0] | {
+            "rows": [row for share in shares for row in share["rows"]],
+            "seconds": round(sum(share["seconds"] for share in shares), 1),
+        }
+    return sections
 
 
 def _shares(section: Section, run: Run) -> Mapping[str, Share]:
@@ -172,14 +176,6 @@ def _run_part(bench: Bench | str, run: Run, part: Part) -> dict[str, Any]:
         "commit": commit(),
         "date": f"{datetime.now(UTC):%Y-%m-%d}",
         "processor": machine()["processor"],
-    }
-
-
-def _joined(shares: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return a section of its shares, in order."""
-    return shares[0] | {
-        "rows": [row for share in shares for row in share["rows"]],
-        "seconds": round(sum(share["seconds"] for share in shares), 1),
     }
 
 

@@ -13,7 +13,6 @@ import tomllib
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, replace
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -62,6 +61,9 @@ MOST_TRIES = 6
 Half = Literal["tune", "report"]
 HALVES: tuple[Half, ...] = ("report", "tune")
 """Of the real recordings: what is reported, and what thresholds and bundles are chosen by."""
+
+LISTED = tomllib.loads(Path(__file__).with_name("halves.toml").read_text(encoding="utf-8"))
+"""Families by half, with the salt of those that are not listed."""
 
 TUNE_TITLE = "Of the half that things are chosen by"
 """Over the tables of `tune`, which are never mixed with those of `report`."""
@@ -124,22 +126,12 @@ def simulated_cases(
         yield Case(made.clip, made.label.motion, made.object_name, made.object_name)
 
 
-@cache
-def _halves() -> dict[str, Any]:
-    return tomllib.loads(Path(__file__).with_name("halves.toml").read_text(encoding="utf-8"))
-
-
 def half_of(family: str) -> Half:
     """Return the half of a family of objects: as halves.toml says, else by its hash."""
-    known = _halves()
-    family = known["same"].get(family, family)
-    return next((half for half in HALVES if family in known[half]), hashed_half(family))
-
-
-def hashed_half(family: str) -> Half:
-    """Return the half that a family's name falls to by its hash."""
-    digest = hashlib.sha256(f"{_halves()['salt']}:{family}".encode()).digest()
-    return "report" if digest[0] % 2 else "tune"
+    family = LISTED["same"].get(family, family)
+    digest = hashlib.sha256(f"{LISTED['salt']}:{family}".encode()).digest()
+    hashed: Half = "report" if digest[0] % 2 else "tune"
+    return next((half for half in HALVES if family in LISTED[half]), hashed)
 
 
 def rows_of_half(rows: Iterable[Any], half: Half | None) -> tuple[Any, ...]:
@@ -225,11 +217,6 @@ def window_cases(recordings: LabelledRecordings) -> Iterator[Case]:
         }
         row = window.row
         yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
-
-
-def without_idle_frame(case: Case) -> Case:
-    """Show a clip as one that starts in contact: each method has to guess the idle gel."""
-    return replace(case, clip=replace(case.clip, background=None))
 
 
 def held_across(case: Case) -> Case:

@@ -42,12 +42,22 @@ def damage_kinds() -> dict[str, dict[str, Damage]]:
         "camera noise": _levels("grey levels", (5, 10, 20, 40, 80), _noisy),
         "JPEG": _of_images("quality", (90, 50, 20, 5), jpeg),
         "video": {f"{name} codec": partial(_filmed, name) for name in CODECS},
-        "brightness drift": _levels("grey levels over the clip", (5, 15, 40, 80), _drifted),
+        "brightness drift": _levels(
+            "grey levels over the clip",
+            (5, 15, 40, 80),
+            lambda v, c, rng: replace(c, frames=drifted(v, 0.0, c.frames)),
+        ),
         "overexposed": _of_images("gain", (1.5, 2.5, 5), gained),
         "underexposed": _of_images("gain", (0.5, 0.2, 0.1, 0.05), gained),
-        "fainter contact": _levels("contrast", (0.5, 0.2, 0.1, 0.05), _faded),
+        "fainter contact": _levels(
+            "contrast",
+            (0.5, 0.2, 0.1, 0.05),
+            lambda v, c, rng: replace(c, frames=faded(v, c.frames, c.background)),
+        ),
         "frames dropped": _levels("of 4", DROPPED, lambda v, c, rng: c.select(DROPPED[v])),
-        "frames repeated": _levels("of 4", REPEATED, _repeated),
+        "frames repeated": _levels(
+            "of 4", REPEATED, lambda v, c, rng: replace(c, frames=c.frames[REPEATED[v]])
+        ),
         "contact at the border": _levels("px off the middle", (40, 80, 112), _moved_off),
         "half the frame lost": _everywhere_or_frames_only(
             lambda image: image * (np.indices(image.shape)[1] < image.shape[1] // 2)
@@ -80,18 +90,6 @@ def _everywhere_or_frames_only(change: Callable[[Frames], Frames]) -> dict[str, 
 def _each_image(change: Callable[[Frames], Frames], clip: Clip) -> Clip:
     frames = np.stack([change(frame) for frame in clip.frames])
     return replace(clip, frames=frames, background=change(clip.background))
-
-
-def _drifted(offset_grey: float, clip: Clip, rng: np.random.Generator) -> Clip:
-    return replace(clip, frames=drifted(offset_grey, 0.0, clip.frames))
-
-
-def _faded(contrast: float, clip: Clip, rng: np.random.Generator) -> Clip:
-    return replace(clip, frames=faded(contrast, clip.frames, clip.background))
-
-
-def _repeated(count: int, clip: Clip, rng: np.random.Generator) -> Clip:
-    return replace(clip, frames=clip.frames[REPEATED[count]])
 
 
 def _noisy(sigma_grey: float, clip: Clip, rng: np.random.Generator) -> Clip:
@@ -171,7 +169,6 @@ def extreme_clips(
 
 
 def _constant_clips(idle: Frames) -> dict[str, Extreme]:
-    """Return constant images with and without an idle gel, and that gel with one bright pixel."""
     clips = {}
     for name, grey in (("black", 0), ("grey 128", 128), ("white", 255)):
         flat = np.full((FRAME_COUNT, *idle.shape), grey, np.uint8)

@@ -77,32 +77,19 @@ class EncoderFile:
 
 @dataclass(frozen=True)
 class Run:
-    """How a bench is run, and what it is run on.
-
-    Args:
-        seed: Root of clips, questions and resampling.
-        clips: Simulated clips of each task where a section judges motions; None for its own number.
-        is_quick: Whether to see in under two minutes that everything runs; proves nothing.
-        real: Folder of labelled recordings; None leaves them out.
-        data: Public data sets judged in addition.
-        model: A bundle's folder; None for the one that ships.
-        encoder: Whose tokens the paper's protocols are run on; None for the embedded backbone.
-        folder: Keeps what a stopped run need not do again.
-        answerer_given: A model that is loaded already.
-        workers: Who runs shares of sections; numbers but times do not depend on it.
-    """
+    """How a bench is run, and what it is run on."""
 
     seed: int = 0
-    clips: int | None = None
-    is_quick: bool = False
-    real: Path | None = None
+    clips: int | None = None  # simulated, of each task; None for a section's own number
+    is_quick: bool = False  # in under two minutes everything is seen to run; proves nothing
+    real: Path | None = None  # folder of labelled recordings
     data: Sequence[Path] = ()
-    model: Path | None = None
-    encoder: EncoderFile | None = None
-    folder: Path = Path("runs/bench")
+    model: Path | None = None  # a bundle's folder; None for the one that ships
+    encoder: EncoderFile | None = None  # whose tokens the protocols take; None: the embedded one's
+    folder: Path = Path("runs/bench")  # keeps what a stopped run need not do again
     progress: Progress = silent
-    answerer_given: Answerer | None = None
-    workers: Workers = ALONE
+    answerer_given: Answerer | None = None  # loaded already
+    workers: Workers = ALONE  # no number but times depends on them
 
     @cached_property
     def answerer(self) -> Answerer:
@@ -127,30 +114,20 @@ class Listing:
 
 @dataclass(frozen=True)
 class Pivot:
-    """One line per case and one column per variant, in order of appearance.
-
-    `corner` is the title of the column of cases.
-    """
+    """One line per case and one column per variant, in order of appearance."""
 
     cell: Callable[[Row], str]
-    corner: str = "clips"
+    corner: str = "clips"  # title of the column of cases
     with_count: bool = True
 
 
 @dataclass(frozen=True)
 class Section:
-    """One part of a bench.
+    """One part of a bench; `about` says in Markdown what is measured and how to read it.
 
-    Args:
-        name: For the command line and the record.
-        title: For people.
-        about: What is measured and how to read it, Markdown.
-        run: Gives the rows.
-        views: How they are shown, one table each; title -> (view, which rows it shows).
-        figure: Draws the rows into a file, where a picture shows more than a table.
-        headline: The rows in a few lines of Markdown, for the page and the README.
-        shares: Gives the same rows, in order, in independent shares by name: workers take one
-            each, and a stopped run keeps them. None where all is one share.
+    `views` are tables: title -> (how rows are shown, which of them). `headline` is Markdown for the
+    page and the README. `shares` gives the rows of `run`, in order, in independent shares by name:
+    workers take one each, and a stopped run keeps them; None where all is one share.
     """
 
     name: str

@@ -15,7 +15,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -25,7 +25,6 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from geotlm_lm.answering import Answerer
 from geotlm_lm.backbone.imprint import imprint_of
 from geotlm_lm.backbone.motions import motions_of
 from geotlm_lm.backbone.stem import measure_clip
@@ -49,7 +48,7 @@ from geotlm_lm.benchmarks.judging import (
     timed,
 )
 from geotlm_lm.benchmarks.rendering import number, save_figure
-from geotlm_lm.benchmarks.variants import QUESTION, after_perceiving, question_for
+from geotlm_lm.benchmarks.variants import GENERATED, PROBE, QUESTION, all_variants
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
@@ -128,7 +127,8 @@ def with_front(rows: Sequence[Row]) -> list[Row]:
 
 def _method_rows(run: Run) -> Iterator[Row]:
     methods = {name: timed(rival.predict) for name, rival in CLASSICAL.items()}
-    methods |= model_variants(run.answerer)
+    own = all_variants(run.answerer, run.seed)
+    methods |= {"linear probe": own[PROBE], "words": own[GENERATED]}
     for case_set in case_sets(run):
         run.progress(f"methods: {case_set[0]}", 0, 1)
         yield from rows_in_turn(methods, case_set, run.size(3, 1), run.seed)
@@ -145,16 +145,6 @@ def rows_in_turn(
         ms = [reply.milliseconds for result, _ in runs for reply in result.replies[row.variant]]
         rows.append(replace(row, detail={}, **milliseconds(ms)))
     return with_front(rows)
-
-
-def model_variants(answerer: Answerer) -> dict[str, Variant]:
-    """Return the model's read-outs, all of one perception."""
-    perceive, probe = lru_cache(maxsize=1)(answerer.encode), answerer.bundle.model.probe
-    reads = {
-        "linear probe": lambda seen, among: probe.predict(seen.perception.fused_token, among)[0],
-        "words": lambda seen, among: answerer.ask(seen, question_for(among)).direction,
-    }
-    return {name: after_perceiving(perceive, read) for name, read in reads.items()}
 
 
 def case_sets(run: Run) -> Iterator[CaseSet]:

@@ -50,17 +50,6 @@ from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
 from geotlm_lm.training.recording_forms import bin_means, truth_in_view
 from geotlm_lm.training.truth import counts_motion
 
-ABOUT = """\
-*Ours* are simulated clips of everyday objects that no weight of the backbone was trained on;
-*published* are the paper's figures, on other data and through its own backbone. They share a
-protocol, not data: a difference between the two says nothing about either. Mean accuracy and
-standard deviation (n - 1) over folds. No object stands in two of a fold's three parts; the epoch is
-chosen on the validation objects. *Probe on c* reads the global token alone: the paper's bare
-backbone, AnyTouch 2. *DGR, paper* is the paper's GeoTLM; *grounded* is shaped by true displacement
-and contact as well. *Curl + LR* takes the curl of the imprint's optical flow. *Region pool only*
-weighs every patch alike; *contact mask only* keeps the weighted mean over the grid; *neither* is
-the plain mean. Two frames are the first and the last of the same clip, fed as a, a, b, b."""
-
 SEED = 42
 """Paper: training is seeded by 42 and the fold's number; a run's own seed is added."""
 
@@ -131,12 +120,7 @@ class TaskClips:
 def task_clips(
     backbone: Backbone, task: str, objects: Sequence[str], count: int, seed: int, progress: Progress
 ) -> TaskClips:
-    """Simulate and encode `count` readable clips of each object in a task, batch by batch.
-
-    Raises:
-        UsageError: If the simulator finds too few readable clips, or tokens are too large for half
-            precision.
-    """
+    """Simulate and encode `count` readable clips of each object in a task, batch by batch."""
     columns: dict[str, list[NDArray]] = {}
     for done, name in enumerate(objects):
         progress(f"paper's protocols, {task}: objects encoded", done, len(objects))
@@ -285,7 +269,14 @@ def task_rows(task: str, run: Run) -> list[Row]:
     objects, seed = tuple(EVERYDAY_OBJECTS)[: run.size(None, FOLD_COUNT)], SEED + run.seed
     with threads(1):
         count = run.size(CLIPS, 2)
-        clips = task_clips(_backbone(run), task, objects, count, seed, run.progress)
+        if run.encoder is None:
+            backbone = run.answerer.bundle.model.backbone
+        else:
+            from geotlm_lm.backbone.released import load_encoder
+
+            given = load_encoder(run.encoder.weights, run.encoder.name, heads=run.encoder.heads)
+            backbone = given.to("cuda" if torch.cuda.is_available() else "cpu")
+        clips = task_clips(backbone, task, objects, count, seed, run.progress)
         return [row for name in DEALT for row in _rows(run, task, name, clips)]
 
 
@@ -300,15 +291,6 @@ def _rows(run: Run, task: str, protocol: str, clips: TaskClips) -> Iterator[Row]
         right, mean, detail = fold_scores(clips, folds, [own[name][0] for own in outcomes])
         detail["parameters"] = outcomes[0][name][1]
         yield replace(share_row(case, name, right, clips.objects), error=1 - mean, detail=detail)
-
-
-def _backbone(run: Run) -> Backbone:
-    if run.encoder is None:
-        return run.answerer.bundle.model.backbone
-    from geotlm_lm.backbone.released import load_encoder
-
-    released = load_encoder(run.encoder.weights, run.encoder.name, heads=run.encoder.heads)
-    return released.to("cuda" if torch.cuda.is_available() else "cpu")
 
 
 def published_rows(task: str) -> Iterator[Row]:
@@ -348,7 +330,16 @@ _TOGETHER = {
 PROTOCOLS = Section(
     name="protocols",
     title="The paper's protocols",
-    about=ABOUT,
+    about="""\
+*Ours* are simulated clips of everyday objects that no weight of the backbone was trained on;
+*published* are the paper's figures, on other data and through its own backbone. They share a
+protocol, not data: a difference between the two says nothing about either. Mean accuracy and
+standard deviation (n - 1) over folds. No object stands in two of a fold's three parts; the epoch is
+chosen on the validation objects. *Probe on c* reads the global token alone: the paper's bare
+backbone, AnyTouch 2. *DGR, paper* is the paper's GeoTLM; *grounded* is shaped by true displacement
+and contact as well. *Curl + LR* takes the curl of the imprint's optical flow. *Region pool only*
+weighs every patch alike; *contact mask only* keeps the weighted mean over the grid; *neither* is
+the plain mean. Two frames are the first and the last of the same clip, fed as a, a, b, b.""",
     run=protocol_rows,
     views={
         "Rotation, ours and published": (_BY_METHOD, _of(MAIN, "rotation")),

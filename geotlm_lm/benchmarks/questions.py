@@ -42,19 +42,6 @@ from geotlm_lm.query.text import read
 from geotlm_lm.query.types import THREAD_ATOMS, Part
 from geotlm_lm.training.calibration import expected_calibration_error
 
-QUESTIONS_ABOUT = """\
-Each clip is asked one question of every type through the same door a user takes. *Words* are graded
-by what they decide and claim, in the frame they are told in; refusals of what can be answered are
-wrong. *Unseen wordings* were kept from training. Intervals resample whole objects."""
-
-READING_ABOUT = """\
-Each question is read into a query by the language model. *Exact* is every word of the query,
-numbers included, but for the order of facts; *kind* is what sort of thing is asked. Families of
-phrasing, and their clauses, were kept from training; the *blind* questions, and the *set-ups* that
-state one to five facts in several sentences, were written by people who had seen no template and no
-rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
-were chosen and calibrated by."""
-
 DECLINED = ("refusal", "comparison")
 """Kinds that one clip cannot answer."""
 
@@ -258,7 +245,6 @@ def _windows(recordings: LabelledRecordings, count: int) -> Iterator[tuple[Clip,
 def _ask_type(
     answerer: Answerer, encoded: Encoded, label: MotionLabel, type_id: str, rng: np.random.Generator
 ) -> Asked:
-    """Ask a question of a type in a seen and in an unseen wording."""
     frame = FrameSpec()
     if type_id == THREAD:
         side = SIDES[int(rng.integers(len(SIDES)))]
@@ -281,19 +267,17 @@ def _ask_type(
 
 
 def type_rows(title: str, asked: Sequence[Asked], seed: int) -> Iterator[Row]:
-    """Yield, of each type and of types pooled, one row for each method that has an answer."""
+    """Yield the rows of both wordings, of each type and of types pooled."""
     kinds = {name: type_.kind for name, type_ in load_templates().types.items()}
     types = sorted({x.type_id for x in asked}, key=lambda name: int(name.removeprefix("T")))
     pools = {f"{name} {kinds[name]}": (name,) for name in types}
     for name, pool in (pools | {"all directions": DIRECTIONS, "all types": types}).items():
         own = [x for x in asked if x.type_id in pool]
-        for method in (WORDS, UNSEEN):
-            answered = [x for x in own if method in x.right]
-            if answered:
-                right = [x.right[method] for x in answered]
-                families = [x.family for x in answered]
-                detail = calibration(own) if method == WORDS else {}
-                yield share_row(f"{title}, {name}", method, right, families, seed, detail=detail)
+        families = [x.family for x in own]
+        for method in (WORDS, UNSEEN) if own else ():
+            right = [x.right[method] for x in own]
+            detail = calibration(own) if method == WORDS else {}
+            yield share_row(f"{title}, {name}", method, right, families, seed, detail=detail)
 
 
 def calibration(asked: Sequence[Asked]) -> dict[str, Any]:
@@ -397,7 +381,10 @@ _DOUBT = {
 QUESTIONS = Section(
     name="questions",
     title="Every question type",
-    about=QUESTIONS_ABOUT,
+    about="""\
+Each clip is asked one question of every type through the same door a user takes. *Words* are graded
+by what they decide and claim, in the frame they are told in; refusals of what can be answered are
+wrong. *Unseen wordings* were kept from training. Intervals resample whole objects.""",
     run=question_rows,
     views=by_half(Pivot(right_with_interval, "question"))
     | {"Stated probability": (Listing(_CALIBRATION), lambda row: "stated" in row.detail)},
@@ -406,7 +393,13 @@ QUESTIONS = Section(
 READING = Section(
     name="reading",
     title="Understanding",
-    about=READING_ABOUT,
+    about="""\
+Each question is read into a query by the language model. *Exact* is every word of the query,
+numbers included, but for the order of facts; *kind* is what sort of thing is asked. Families of
+phrasing, and their clauses, were kept from training; the *blind* questions, and the *set-ups* that
+state one to five facts in several sentences, were written by people who had seen no template and no
+rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
+were chosen and calibrated by.""",
     run=_reading_rows,
     views={
         "": (Pivot(right_with_interval, "questions"), lambda row: row.variant in (EXACT, KIND)),

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +20,6 @@ from geotlm_lm.core.record import RunRecord
 
 RECORDS = "records"
 """Folder of records inside the folder of results."""
-
-Draw = Callable[[Sequence[Row], Path], None]
-"""Draws rows into a file."""
 
 _BEGIN = re.compile(r"^<!-- begin: (\S+) -->$", re.MULTILINE)
 
@@ -162,7 +159,7 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
                 f"`geotlm-lm bench render`."
             )
     for _, rows, path in _figures(benches, folder):
-        if _described(path) != _digest(rows):
+        if not (path.exists() and _shows(path, rows)):
             raise StaleResults(
                 f"{path}: is missing or shows other numbers than its record; run "
                 f"`geotlm-lm bench render --figures`."
@@ -171,18 +168,18 @@ def check_results(benches: Sequence[Bench], folder: Path, readme: Path) -> None:
 
 def redraw_figures(benches: Sequence[Bench], folder: Path) -> None:
     """Draw every picture anew from the records; needs matplotlib."""
-    for draw, rows, path in _figures(benches, folder):
-        draw(rows, path)
+    for section, rows, path in _figures(benches, folder):
+        section.figure(rows, path)
 
 
-def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Draw, list[Row], Path]]:
-    """Yield what draws each picture, the recorded rows it shows, and where it lies."""
+def _figures(benches: Sequence[Bench], folder: Path) -> Iterator[tuple[Section, list[Row], Path]]:
+    """Yield each section with a picture, the recorded rows that shows, and where it lies."""
     for bench in benches:
         record = _record(folder, bench.name)
         for section in bench.sections if record else ():
             rows = rows_of(record, section.name)
             if section.figure is not None and rows:
-                yield section.figure, rows, folder / f"{bench.name}_{section.name}.png"
+                yield section, rows, folder / f"{bench.name}_{section.name}.png"
 
 
 def _wanted(benches: Sequence[Bench], folder: Path, readme: Path) -> dict[Path, str]:
@@ -224,13 +221,11 @@ def _block(name: str, record: RunRecord | None, section: Section) -> str:
     return f"{section.headline(rows)}\n\n{provenance(record, section.name)}"
 
 
-def _described(path: Path) -> str | None:
-    if not path.exists():
-        return None
+def _shows(path: Path, rows: Sequence[Row]) -> bool:
     from PIL import Image
 
     with Image.open(path) as picture:
-        return picture.info.get("Description")
+        return picture.info.get("Description") == _digest(rows)
 
 
 def _record(folder: Path, name: str) -> RunRecord | None:

@@ -41,21 +41,6 @@ Every clip is asked which way it moves, and a row counts what became of that. *F
 are wrong answers that name a turn or a slide; *wrong* is their share among the answers given, with
 its 95 % interval, *probability* the mean stated with them. Quoted is the gravest case."""
 
-DAMAGE_ABOUT = f"""\
-Simulated objects kept from training, damaged more and more. A fifth of training's clips were
-damaged as well: by JPEG, a dim or drifting camera, or a fainter touch. {OUTCOMES_ABOUT}"""
-
-EXTREME_ABOUT = f"Where nothing can be told, only silence or a refusal is right. {OUTCOMES_ABOUT}"
-
-SCENES_ABOUT = """\
-What the contact solver makes of a scene, by the preset that data sets are made with or what that
-escalates to, and what the model says of its four frames."""
-
-NUMERICS_ABOUT = """\
-As written, Eq. 5 shrinks a unit field under a faint mask; the exposed mass undoes that
-(*recovered*). A half without contact reads as a turn would, and *its mass*, 0, says so. By what the
-mask is the sigmoid of, which training changes, gradients stay bounded."""
-
 RIGHT, WRONG, ABSTAINED, REFUSED, CRASHED = "right", "wrong", "abstained", "refused", "crashed"
 OUTCOMES = (RIGHT, ABSTAINED, REFUSED, WRONG, CRASHED)
 """What may become of a question, the gravest last."""
@@ -208,10 +193,8 @@ def stiff_scene(
 ) -> Scene:
     """Return a body that is pressed in `depth_mm` and turns or travels along x, in some frames.
 
-    It begins `start_mm` from the view's middle; `gel` is what is unlike GelSight Mini's.
-
-    Raises:
-        ValueError: If the simulator refuses it.
+    It begins `start_mm` from the view's middle; `gel` is what is unlike GelSight Mini's. What the
+    simulator refuses is a ValueError.
     """
     shares = np.linspace(0, 1, frames).tolist()
     path = BodyPath(
@@ -242,10 +225,6 @@ def contact_row(name: str, case: Mapping[str, Any]) -> Row:
         outcome = "not converged, and says so"
     residuals = {residual: getattr(status, residual) for residual in RESIDUALS}
     return Row(name, "contact", outcome=outcome, detail=residuals)
-
-
-def _numerics_rows(run: Run) -> Iterator[Row]:
-    yield from map(mask_row, MASKS)
 
 
 def mask_row(value: float) -> Row:
@@ -288,7 +267,7 @@ def failures_headline(rows: Sequence[Row]) -> str:
 
 
 def _named(rows: Sequence[Row], count: str) -> str:
-    """Return the 12 rows with most of what `count` counts, and of how many clips that is."""
+    """Name the 12 rows with most of what `count` counts, and of how many clips that is."""
     counted = [row for row in rows if row.detail.get(count)]
     counted.sort(key=lambda row: -row.detail[count] / row.count)
     names = [f"{row.case}, {row.variant} {row.detail[count]}/{row.count}" for row in counted]
@@ -318,10 +297,7 @@ def _draw_damage(rows: Sequence[Row], path: Path) -> None:
     save_figure(figure, rows, path)
 
 
-Columns = dict[str, Callable[[Row], str]]
-
-
-def _details(form: str, *names: str) -> Columns:
+def _details(form: str, *names: str) -> dict[str, Callable[[Row], str]]:
     """Return columns of a row's detail, titled by their names; "-" where there is none."""
     return {
         name.replace("_", " "): lambda row, name=name: number(row.detail.get(name), form)
@@ -354,7 +330,9 @@ _CONTACT = _details(".1e", "pooled", "recovered", "empty_half", "its_mass", "by_
 DAMAGE = Section(
     name="damage",
     title="Damaged clips",
-    about=DAMAGE_ABOUT,
+    about=f"""\
+Simulated objects kept from training, damaged more and more. A fifth of training's clips were
+damaged as well: by JPEG, a dim or drifting camera, or a fainter touch. {OUTCOMES_ABOUT}""",
     run=damage_rows,
     views={"": (_ASKED, every)},
     figure=_draw_damage,
@@ -364,7 +342,7 @@ DAMAGE = Section(
 EXTREME = Section(
     name="extreme",
     title="Extreme recordings",
-    about=EXTREME_ABOUT,
+    about=f"Where nothing can be told, only silence or a refusal is right. {OUTCOMES_ABOUT}",
     run=_extreme_rows,
     views={"": (_ASKED, every)},
     headline=failures_headline,
@@ -373,7 +351,9 @@ EXTREME = Section(
 SCENES = Section(
     name="scenes",
     title="Stiff and extreme scenes",
-    about=SCENES_ABOUT,
+    about="""\
+What the contact solver makes of a scene, by the preset that data sets are made with or what that
+escalates to, and what the model says of its four frames.""",
     run=_scene_rows,
     views={
         "": (Pivot(_plain, "scene", with_count=False), every),
@@ -388,7 +368,10 @@ SCENES = Section(
 NUMERICS = Section(
     name="numerics",
     title="Contact that vanishes",
-    about=NUMERICS_ABOUT,
-    run=_numerics_rows,
+    about="""\
+As written, Eq. 5 shrinks a unit field under a faint mask; the exposed mass undoes that
+(*recovered*). A half without contact reads as a turn would, and *its mass*, 0, says so. By what the
+mask is the sigmoid of, which training changes, gradients stay bounded.""",
+    run=lambda run: map(mask_row, MASKS),
     views={"": (Listing({"mask": _case} | _CONTACT), every)},
 )

@@ -36,14 +36,6 @@ from geotlm_lm.track.track import Track
 if TYPE_CHECKING:
     from geotlm_lm.simulation.scene import Path, Scene
 
-ABOUT = """\
-A recording from its first frame to its last, bracketed at its contact, and at its labelled turn:
-the *direction* of the net turn; *how far*, within 5 degrees or a fifth of the label; whether the
-told *span*, nine in ten, holds it. Optical flow and direct alignment are summed from frame to frame
-over the same frames. Simulated streams hold several motions in a row: an event is *found* if one of
-its kind and way overlaps it, its *ends* are right within 0.2 s, the *order* is that of the truth,
-and a single turn is *not told back* by a turn the other way."""
-
 TRACK = "track"
 
 WITHIN_DEG, WITHIN_S, STREAMS = 5.0, 0.2, 60
@@ -251,7 +243,13 @@ def _matching(planned: Planned, events: Sequence[Event]) -> Event | None:
 TRACKS = Section(
     name="recordings",
     title="Whole recordings",
-    about=ABOUT,
+    about="""\
+A recording from its first frame to its last, bracketed at its contact, and at its labelled turn:
+the *direction* of the net turn; *how far*, within 5 degrees or a fifth of the label; whether the
+told *span*, nine in ten, holds it. Optical flow and direct alignment are summed from frame to frame
+over the same frames. Simulated streams hold several motions in a row: an event is *found* if one of
+its kind and way overlaps it, its *ends* are right within 0.2 s, the *order* is that of the truth,
+and a single turn is *not told back* by a turn the other way.""",
     run=_track_rows,
     views={"": (Pivot(right_with_interval, "recordings, what is graded"), every)},
 )

@@ -67,6 +67,7 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     """Return every row by its name, in the order of the table; `seed` draws question wordings."""
     # The same clip as last time is not encoded again.
     perceive, model = lru_cache(maxsize=1)(answerer.encode), answerer.bundle.model
+    probe, plain = model.probe, model.global_probe
 
     def words(question: Callable[[tuple[Motion, ...]], str]) -> Read:
         def ask(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
@@ -74,12 +75,6 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
             return answer.in_the_image, ways_claimed(answer)
 
         return ask
-
-    def probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
-        return model.probe.predict(encoded.perception.fused_token, among)[0]
-
-    def global_probe(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
-        return model.global_probe.predict(encoded.perception.global_token, among)[0]
 
     def slots(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
         belief = belief_of_slots(answerer.bundle, encoded)
@@ -90,8 +85,8 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
         GENERATED: words(question_for),
         GENERATED_UNSEEN: words(unseen_wordings(seed)),
         SLOTS_OWN: slots,
-        PROBE: probe,
-        GLOBAL_PROBE: global_probe,
+        PROBE: lambda seen, among: probe.predict(seen.perception.fused_token, among)[0],
+        GLOBAL_PROBE: lambda seen, among: plain.predict(seen.perception.global_token, among)[0],
     }
     rivals = {FLOW: rival(RigidFlow().predict), ALIGNMENT: rival(RigidAlignment().predict)}
     return {name: after_perceiving(perceive, read) for name, read in reads.items()} | rivals

@@ -173,11 +173,7 @@ def _measure(
 
 
 def _earlier(bench: Bench, run: Run, out: Path) -> RunRecord | None:
-    """Return the record that lies in `out`; refuse to replace a whole run's by a quick one's.
-
-    Raises:
-        UsageError: If it would be, or nothing can be written there.
-    """
+    """Return the record that lies in `out`; refuse to replace a whole run's by a quick one's."""
     from geotlm_lm.benchmarks.harness import WHOLE
     from geotlm_lm.benchmarks.rendering import RECORDS
     from geotlm_lm.core.record import RunRecord

@@ -41,7 +41,6 @@ class FakeAnswerer:
             model=model,
             speaker=SimpleNamespace(feel=self._feel),
             calibration=Calibration(),
-            digest=lambda: "0123456789ab",
         )
 
     def _feel(self, readings):

@@ -10,7 +10,6 @@ import pytest
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
     Moved,
-    Prediction,
     amount_row,
     amount_rows,
     belief_prediction,
@@ -43,7 +42,6 @@ def window(motion=Motion.CLOCKWISE, **values):
     ("values", "amount"),
     [
         ({"rotation_deg_cw": "-20.0"}, 20.0),
-        ({"rotation_deg_cw": "20.0", "rotation_deg_cw_search": "23.9"}, 20.0),
         ({"rotation_deg_cw": "20.0", "rotation_deg_cw_search": "24.1"}, None),
         ({"rotation_deg_cw": "3.0", "rotation_deg_cw_cumulative": "4.9"}, 3.0),
         ({"rotation_deg_cw": "20.0", "rotation_deg_cw_search": ""}, 20.0),
@@ -63,8 +61,6 @@ def moved(unit="px", amount=20.0, size=(224, 224), motion=Motion.LEFT):
     ("one", "value", "is_right"),
     [
         (moved(), 24.0, True),
-        (moved(), 24.1, False),
-        (moved(amount=5.0), 6.9, True),
         (moved(amount=5.0), 7.1, False),
         (moved(amount=5.0, size=(240, 320)), 7.8, True),
         (moved(amount=5.0, size=(240, 320), motion=Motion.UP), 7.2, False),
@@ -157,36 +153,17 @@ def graded(truth, told):
     return dict(grades(truth, belief_prediction(told)))
 
 
-def test_a_belief_near_the_truth_is_right_about_all_of_it():
-    found = graded(label(), belief())
-    assert set(found) == {
-        "turn: counts",
-        "turn: way",
-        "turn: how far",
-        "turn: span",
-        "slide: counts",
-        "slide: way",
-        "slide: how far",
-        "slide: span",
-        "press: counts",  # it does not, and nothing else is asked of it
-        "turn and slide: both ways",
-    }
-    assert all(found.values())
-
-
-def test_each_part_is_wrong_for_its_own_reason():
-    opposite = graded(label(), belief(turn=-11.0))
-    assert [name for name, right in opposite.items() if not right] == [
-        "turn: way",
-        "turn and slide: both ways",
-    ]
-    far = graded(label(), belief(turn=20.0))
-    assert [name for name, right in far.items() if not right] == ["turn: how far", "turn: span"]
-    unsure = graded(label(), belief(slides=0.4))
-    assert [name for name, right in unsure.items() if not right] == [
-        "slide: counts",
-        "turn and slide: both ways",
-    ]
+@pytest.mark.parametrize(
+    ("told", "wrong"),
+    [
+        (belief(), []),
+        (belief(turn=-11.0), ["turn: way", "turn and slide: both ways"]),
+        (belief(turn=20.0), ["turn: how far", "turn: span"]),
+        (belief(slides=0.4), ["slide: counts", "turn and slide: both ways"]),
+    ],
+)
+def test_each_part_is_wrong_for_its_own_reason(told, wrong):
+    assert [name for name, right in graded(label(), told).items() if not right] == wrong
 
 
 @pytest.mark.parametrize(
@@ -204,23 +181,14 @@ def test_what_is_ambiguous_or_does_not_show_is_left_out(truth, left_out):
     assert ("turn and slide: both ways" in found) == (left_out == "press")
 
 
-def test_who_has_no_opinion_is_not_graded():
-    ways = {Component.TURN: (1.0,), Component.SLIDE: (0.0, 1.0)}
-    found = dict(grades(label(inward=0.4), Prediction(ways)))
-    assert found == {"turn: way": True, "slide: way": False, "turn and slide: both ways": False}
-
-
 def test_words_are_asked_of_each_component_and_name_its_way_or_deny_it():
     def ask(encoded, question):
         decided = "yes" if "lifting" in question else "no"
         return SimpleNamespace(in_the_image=Motion.CLOCKWISE, decided=decided)
 
     told = words_prediction(SimpleNamespace(ask=ask), None)
-    assert told.counting == {
-        Component.TURN: True,
-        Component.SLIDE: False,
-        Component.PRESS: True,
-    }
+    counting = {Component.TURN: True, Component.SLIDE: False, Component.PRESS: True}
+    assert told.counting == counting
     found = dict(grades(label(inward=-0.4), told))
     assert {name for name, right in found.items() if not right} == {
         "slide: counts",

@@ -99,19 +99,6 @@ def test_imprints_of_a_touch_are_moved_held_and_grown(folder):
     assert set(found[f"{name}, held still"][variants.FLOW].detail["claims"]) == {"turn", "slide"}
 
 
-def test_data_sets_are_judged_and_said_about(folder, tmp_path):
-    listed = tmp_path / "listed.csv"
-    listed.write_text(
-        "clip_id,object_id,action,frames\n"
-        "1,cap,rotate_cw,clips/clockwise.npy\n"
-        "2,cap,rotate_ccw,clips/gone.npy\n"
-    )
-    found = judged(data=[listed])
-    assert list(found) == ["manifest listed, rotation"]
-    first = next(iter(found["manifest listed, rotation"].values()))
-    assert left_out(first) == "1 whose files cannot be used"
-
-
 def test_a_run_without_a_single_clip_is_refused_with_the_first_reason(tmp_path):
     listed = tmp_path / "listed.csv"
     listed.write_text("clip_id,object_id,action,frames\n1,cap,rotate_cw,gone.npy\n")

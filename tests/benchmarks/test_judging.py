@@ -84,14 +84,6 @@ def test_times_are_medians_and_tails():
     assert (row.ms_p50, row.ms_p95) == pytest.approx((2.5, 85.45))
 
 
-def test_replies_are_selected_by_tags():
-    cases = [case(CW, fps="25", played="forwards"), case(CCW, fps="25", played="backwards")]
-    replies = ask_all(VARIANTS, cases, ROTATIONS)
-    assert [one.motion for one in replies.where(fps="25").cases] == [CW, CCW]
-    (reply,) = replies.where(fps="25", played="backwards").replies["first"]
-    assert reply.motion == CW
-
-
 def test_turns_and_slides_are_counted_apart_on_clips_without_direction():
     both = {"both": lambda clip, among: Reply(STILL, 1.0, (CW, Motion.LEFT))}
     found = rows(VARIANTS | both, cases=[*CASES, case(STILL)], among=tuple(Motion))
@@ -123,10 +115,6 @@ def correlated_clips(rng, objects=30, clips=20):
     return rng.random(objects * clips) < skill, np.repeat(np.arange(objects), clips)
 
 
-def width(interval):
-    return interval[1] - interval[0]
-
-
 def test_the_interval_covers_the_truth_about_nineteen_times_in_twenty():
     rng = np.random.default_rng(2)
     hits = 0
@@ -138,20 +126,14 @@ def test_the_interval_covers_the_truth_about_nineteen_times_in_twenty():
     assert 0.89 < hits / 150 < 0.985
 
 
-def test_all_right_still_leaves_doubt():
-    low, high = clustered_interval(np.ones(50, bool), np.arange(50))
-    # Wilson's interval at 50 of 50 is (n / (n + z^2), 1).
-    assert (low, high) == pytest.approx((50 / (50 + 1.96**2), 1.0), abs=1e-4)
-    assert clustered_interval(np.zeros(50, bool), np.arange(50)) == pytest.approx(
-        (1 - high, 1 - low)
-    )
-
-
-@pytest.mark.parametrize(("right", "count"), [(7, 20), (49, 50), (1, 3)])
-def test_one_object_gets_the_interval_of_independent_clips(right, count):
-    correct = np.arange(count) < right
+@pytest.mark.parametrize(
+    ("right", "count", "objects"), [(7, 20, 1), (1, 3, 1), (50, 50, 50), (0, 50, 50)]
+)
+def test_one_object_and_objects_that_agree_leave_the_doubt_of_independent_clips(
+    right, count, objects
+):
     expected = stats.binomtest(right, count).proportion_ci(method="wilson")
-    found = clustered_interval(correct, ["cap"] * count)
+    found = clustered_interval(np.arange(count) < right, np.arange(count) % objects)
     assert found == pytest.approx((expected.low, expected.high))
 
 

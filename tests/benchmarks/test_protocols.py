@@ -1,15 +1,12 @@
 """The protocols at a size at which nothing is learned: clips, folds, scores, resuming."""
 
-import tomllib
 from itertools import islice
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.benchmarks import protocols
 from geotlm_lm.benchmarks.cases import TASKS
 from geotlm_lm.benchmarks.harness import EncoderFile, Row, Run
 from geotlm_lm.benchmarks.protocols import (
@@ -66,12 +63,11 @@ def test_a_released_encoder_takes_the_backbones_place(tmp_path):
 
 
 def test_published_figures_name_our_methods_and_are_shares():
-    place = Path(protocols.__file__).with_name("published.toml")
     for task, classes in (("rotation", 2), ("sliding", 4)):
         rows = list(published_rows(task))
         assert all(0.2 < 1 - row.error < 1 and row.count == 0 for row in rows)
         assert {len(row.detail["recall"]) for row in rows} <= {0, classes}
-        assert set(tomllib.loads(place.read_text())[task]["classes"]) <= {str(m) for m in Motion}
+        assert all(set(row.detail["recall"]) <= set(Motion) for row in rows)
         for row in rows:  # recalls bracket an accuracy, up to what differs between the folds
             recall = row.detail["recall"].values() or [1 - row.error]
             assert min(recall) - 0.01 < 1 - row.error < max(recall) + 0.01

@@ -135,17 +135,15 @@ def test_the_headline_names_crashes_and_confident_mistakes():
     ]
 
 
-def test_the_floor_shrinks_as_its_closed_form_says_and_the_mass_undoes_it():
-    for mask, row in ((mask, mask_row(mask)) for mask in MASKS):
+def test_the_floor_shrinks_as_its_closed_form_says_and_gradients_stay_bounded():
+    rows = {mask: mask_row(mask).detail for mask in MASKS}
+    for mask, row in rows.items():
         # 196 cells of the mask over themselves and the floor.
-        assert row.detail["pooled"] == pytest.approx(196 * mask / (196 * mask + 1e-6), rel=1e-5)
-        assert row.detail["recovered"] == pytest.approx(1.0, rel=1e-5)
-        assert row.detail["its_mass"] == 0
-    assert mask_row(1.0).detail["empty_half"] == pytest.approx(-1.0, rel=1e-5)
-
-
-def test_gradients_stay_bounded_by_the_logit_while_contact_vanishes():
-    first, second, last = (mask_row(mask).detail for mask in (1e-3, 1e-4, 1e-12))
+        assert row["pooled"] == pytest.approx(196 * mask / (196 * mask + 1e-6), rel=1e-5)
+        assert row["recovered"] == pytest.approx(1.0, rel=1e-5)
+        assert row["its_mass"] == 0
+    assert rows[1.0]["empty_half"] == pytest.approx(-1.0, rel=1e-5)
+    first, second, last = (rows[MASKS[power]] for power in (3, 4, 12))
     assert last["by_logit"] < 1e-3 * first["by_logit"]  # 98e-12 against a floor of 1e-6
     # By the mask itself it grows tenfold a decade until the floor holds it.
     assert second["by_mask"] / first["by_mask"] == pytest.approx(10, rel=0.2)

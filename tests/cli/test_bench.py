@@ -77,10 +77,14 @@ def test_a_released_encoder_reaches_the_run_whole(given, invoke, tmp_path):
 
 def test_render_fills_the_readme_and_check_agrees_afterwards(given, invoke, tmp_path):
     readme, results = tmp_path / "README.md", tmp_path / "results"
-    readme.write_text("<!-- begin: pareto.only -->\n<!-- end: pareto.only -->\n")
+    readme.write_text("<!-- begin: pareto.only -->\n<!-- end: pareto.only -->\nAfter.\n")
     invoke("pareto", "--out", results)
     places = ("--results", results, "--readme", readme)
     assert "its numbers differ" in invoke("render", "--check", *places)[2]
     assert invoke("render", *places)[1] == "1 files changed.\n"
     assert invoke("render", "--check", *places)[0] == 0
     assert "1 rows" in readme.read_text()
+    assert readme.read_text().endswith("\nAfter.\n")
+    page = results / "pareto.md"
+    page.write_text(page.read_text().replace("0.5", "0.05"))
+    assert "pareto.md: its numbers differ" in invoke("render", "--check", *places)[2]
