@@ -59,44 +59,26 @@ PAIR_DISTANCE = 2
 
 @dataclass(frozen=True)
 class WindowRow:
-    """One row of a table: where a motion stands in a recording.
+    """One row of a table: where a motion stands in a recording."""
 
-    Args:
-        path: The recording.
-        first_frame: Counted from 0.
-        last_frame: Included.
-        motion: As displayed.
-        object_id: What is touched; the file's name without its ending when the table is silent.
-        object_family: Objects that belong together when clips are split; else `object_id`.
-        values: The row as it stands in the table.
-    """
-
-    path: Path
-    first_frame: int
-    last_frame: int
-    motion: Motion
-    object_id: str
-    object_family: str
-    values: dict[str, str]
+    path: Path  # the recording
+    first_frame: int  # counted from 0
+    last_frame: int  # included
+    motion: Motion  # as displayed
+    object_id: str  # what is touched; the file's name without its ending when the table is silent
+    object_family: str  # objects that belong together when clips are split; else `object_id`
+    values: dict[str, str]  # the row as it stands in the table
 
 
 @dataclass(frozen=True, eq=False)
 class LabelledWindow:
-    """One clip with its label.
+    """One clip with its label."""
 
-    Args:
-        clip: Four frames, with the idle gel as its background.
-        motion: The label, already reversed where the clip is played backwards.
-        frames: How the frames were chosen: "four" evenly, or "pair", shown as a, a, b, b.
-        is_backwards: Whether the clip is played backwards.
-        row: The row the clip comes from.
-    """
-
-    clip: Clip
-    motion: Motion
-    frames: FrameChoice
-    is_backwards: bool
-    row: WindowRow
+    clip: Clip  # four frames, with the idle gel as its background
+    motion: Motion  # the label, already reversed where the clip is played backwards
+    frames: FrameChoice  # how the frames were chosen: "four" evenly, or "pair", shown as a, a, b, b
+    is_backwards: bool  # whether the clip is played backwards
+    row: WindowRow  # the row the clip comes from
 
 
 @dataclass(frozen=True, eq=False)

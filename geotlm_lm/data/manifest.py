@@ -295,17 +295,11 @@ def _stills(paths: Sequence[Path]) -> Frames:
 
 @dataclass(frozen=True)
 class MadeManifest:
-    """What a pattern found.
+    """What a pattern found."""
 
-    Args:
-        rows: One per clip, in natural order of their names.
-        unmatched: Images whose paths the pattern does not fit.
-        too_short: Clips of fewer than two frames; they get no row.
-    """
-
-    rows: tuple[ManifestRow, ...]
-    unmatched: tuple[Path, ...]
-    too_short: tuple[str, ...]
+    rows: tuple[ManifestRow, ...]  # one per clip, in natural order of their names
+    unmatched: tuple[Path, ...]  # images whose paths the pattern does not fit
+    too_short: tuple[str, ...]  # clips of fewer than two frames; they get no row
 
 
 def make_manifest(

@@ -54,7 +54,6 @@ MOST_TRAVEL_M = 0.2
 RIGID_TOLERANCE = 1e-2
 """Largest error of a rotation matrix times its transpose; stored poses are float32 or better."""
 
-
 MARGIN_SHARE = 0.04
 """Margin around a contact that does not count as untouched, relative to the image's width: the gel
 bends beside what touches it, and NormalFlow's masks are eroded."""
@@ -65,27 +64,16 @@ ROWS_AT_ONCE = 16
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """One trial; everything but its frames is in memory.
-
-    Args:
-        folder: Where it lies.
-        object_id: The folder's name without its number.
-        video: The recording.
-        poses: Shape (n, 4, 4), metres.
-        contact_px: Pixels in contact, shape (n,).
-        centres_px: Column and row of the middle of the largest contact, shape (n, 2).
-        size_px: Rows and columns of a frame.
-        background: The estimated idle gel, uint8, shape (rows, columns, 3).
-    """
+    """One trial; everything but its frames is in memory."""
 
     folder: Path
-    object_id: str
+    object_id: str  # the folder's name without its number
     video: Path
-    poses: Poses
-    contact_px: NDArray[np.int64]
-    centres_px: NDArray[np.float64]
-    size_px: tuple[int, int]
-    background: Frames | None = None
+    poses: Poses  # shape (n, 4, 4), metres
+    contact_px: NDArray[np.int64]  # pixels in contact, shape (n,)
+    centres_px: NDArray[np.float64]  # column and row of the largest contact's middle, (n, 2)
+    size_px: tuple[int, int]  # rows and columns of a frame
+    background: Frames | None = None  # the estimated idle gel, uint8, shape (rows, columns, 3)
 
     @property
     def mm_per_px(self) -> float:
@@ -99,15 +87,11 @@ class Trial:
 
 @dataclass(frozen=True, eq=False)
 class TactileTracking:
-    """The usable trials of one folder by name, and why others are not.
-
-    Args:
-        left_out: Folder name -> the sentence that says why it cannot be used.
-    """
+    """The usable trials of one folder by name, and why others are not."""
 
     folder: Path
     trials: tuple[Trial, ...]
-    left_out: dict[str, str] = field(default_factory=dict)
+    left_out: dict[str, str] = field(default_factory=dict)  # folder name -> why
 
 
 def is_tactile_tracking(folder: Path) -> bool:
@@ -267,29 +251,17 @@ def _size(size_px: tuple[int, int]) -> str:
 
 @dataclass(frozen=True)
 class PairRule:
-    """Which pairs of frames get a label; the thresholds are ours, the paper names none.
+    """Which pairs of frames get a label; the thresholds are ours, the paper names none."""
 
-    Args:
-        gap_frames: Frames from the first of a pair to the second.
-        least_turn_deg: Turn from which a pair is a rotation.
-        most_aside_px: Travel of the contact that a rotation may have beside it.
-        least_slide_px: Travel of the contact from which a pair is a slide.
-        most_aside_deg: Turn that a slide may have beside it.
-        least_purity: Share of a slide's travel that must go along its axis; 0.92 is 23 degrees off.
-        most_tilt_deg: Turn out of the image plane above which a pair is left out.
-        most_lift_mm: Travel along the gel's normal above which it is.
-        least_contact_px: Contact below which it is; NormalFlow's own least.
-    """
-
-    gap_frames: int = 10
-    least_turn_deg: float = 5.0
-    most_aside_px: float = 10.0
-    least_slide_px: float = 10.0
-    most_aside_deg: float = 5.0
-    least_purity: float = 0.92
-    most_tilt_deg: float = 5.0
-    most_lift_mm: float = 0.5
-    least_contact_px: int = 500
+    gap_frames: int = 10  # from the first of a pair to the second
+    least_turn_deg: float = 5.0  # turn from which a pair is a rotation
+    most_aside_px: float = 10.0  # travel of the contact that a rotation may have beside it
+    least_slide_px: float = 10.0  # travel of the contact from which a pair is a slide
+    most_aside_deg: float = 5.0  # turn that a slide may have beside it
+    least_purity: float = 0.92  # share of a slide's travel along its axis; this is 23 degrees off
+    most_tilt_deg: float = 5.0  # turn out of the image plane above which a pair is left out
+    most_lift_mm: float = 0.5  # travel along the gel's normal above which it is
+    least_contact_px: int = 500  # contact below which it is; NormalFlow's own least
 
 
 GAPS_FRAMES = (5, 10, 15, 20, 25)
@@ -305,19 +277,12 @@ PAPER_PAIRS = {"rotation": 4088, "sliding": 6400}
 
 @dataclass(frozen=True)
 class ImageMotion:
-    """How the object moves in the image from one frame of each pair to the other, (pairs,) each.
+    """How the object moves in the image from one frame of each pair to the other, (pairs,) each."""
 
-    Args:
-        turn_deg: Turn in the image plane, positive clockwise as drawn.
-        slide_px: Travel of the contact's centre, (pairs, 2), right and down.
-        tilt_deg: Turn out of the image plane.
-        lift_mm: Travel of the contact's centre along z.
-    """
-
-    turn_deg: NDArray[np.float64]
-    slide_px: NDArray[np.float64]
-    tilt_deg: NDArray[np.float64]
-    lift_mm: NDArray[np.float64]
+    turn_deg: NDArray[np.float64]  # in the image plane, positive clockwise as drawn
+    slide_px: NDArray[np.float64]  # travel of the contact's centre, (pairs, 2), right and down
+    tilt_deg: NDArray[np.float64]  # turn out of the image plane
+    lift_mm: NDArray[np.float64]  # travel of the contact's centre along z
 
 
 @dataclass(frozen=True)

@@ -2,14 +2,13 @@
 
 A row names the recording in `clip`, its `fps`, and the first and last touched frame in
 `contact_start` and `contact_end`, counted from 0; recordings never touched leave both empty.
-`object` and `object_family` are read where there are such columns, and so is when the first turn
-begins: `rotation_start`, and `other_segments` such as "25-35:+10" for others. `direction` names the
-main motion of the whole recording, and `tier` how sure the table is of it.
+`object` and `object_family` are read where there are such columns. `direction` names the main
+motion of the whole recording, and `tier` how sure the table is of it; `rotation_start` and
+`rotation_end` are the frames of its turn, `rotation_deg_cw` its size.
 """
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -29,13 +28,6 @@ SURELY_IDLE = 5
 """First frames taken as untouched beyond doubt: in some of the recordings seen, the gel changes by
 up to 70 grey levels before the labelled contact."""
 
-LEAST_PRESS = 4
-"""Frames from the labelled contact to the first turn without which no press is told apart: contact
-and turn were labelled two frames apart."""
-
-PRESS_ONLY = "P"
-"""Tier of a recording that was looked through for turns and has none."""
-
 SURE_TIERS = ("A", "B", "")
 """Tiers whose direction counts as known: high and medium confidence, and tables without tiers."""
 
@@ -44,25 +36,14 @@ REQUIRED_COLUMNS = frozenset(("clip", "fps", "contact_start", "contact_end"))
 
 @dataclass(frozen=True)
 class TouchRow:
-    """A recording in which something touches.
-
-    Args:
-        path: The recording.
-        fps: Frames per second.
-        contact_start: First touched frame.
-        contact_end: Last touched frame.
-        object_id: What touches; the file's name without its ending when the table is silent.
-        object_family: Objects that belong together; else `object_id`.
-        still_until: Last frame by which nothing has turned yet; None where the table is silent.
-    """
+    """A recording in which something touches."""
 
     path: Path
     fps: float
-    contact_start: int
-    contact_end: int
-    object_id: str
-    object_family: str
-    still_until: int | None = None
+    contact_start: int  # first touched frame
+    contact_end: int  # last touched frame
+    object_id: str  # the file's name without its ending when the table is silent
+    object_family: str  # else `object_id`
 
     @property
     def idle(self) -> range:
@@ -74,13 +55,6 @@ class TouchRow:
         """Numbers of the first idle frames, long before anything touches."""
         return self.idle[:SURELY_IDLE]
 
-    @property
-    def pressing(self) -> range | None:
-        """Numbers of the frames in which it is pressed in and does nothing else, if surely any."""
-        if self.still_until is None or self.still_until < self.contact_start + LEAST_PRESS - 1:
-            return None
-        return range(max(self.contact_start - BEFORE_TOUCH, FIRST_IDLE), self.still_until + 1)
-
     def check_length(self, frames: int) -> None:
         """Refuse a recording that ends before the touch does."""
         if self.contact_end >= frames:
@@ -91,36 +65,16 @@ class TouchRow:
 
 
 @dataclass(frozen=True)
-class UntouchedRow:
-    """A recording in which nothing is seen to touch; arguments as of `TouchRow`."""
-
-    path: Path
-    fps: float
-    object_id: str
-    object_family: str
-
-
-@dataclass(frozen=True)
 class DirectedRow:
-    """A recording whose main motion has a known direction; other arguments as of `TouchRow`.
-
-    Args:
-        path: The recording.
-        motion: The direction, as displayed.
-        object_id: What touches.
-        object_family: Objects that belong together.
-        turn_deg: Its main turn, clockwise positive; None where the table is silent.
-        turning: First and last frame of that turn.
-        touched: First and last frame in contact.
-    """
+    """A recording whose main motion has a known direction."""
 
     path: Path
-    motion: Motion
+    motion: Motion  # as displayed
     object_id: str
     object_family: str
-    turn_deg: float | None = None
-    turning: tuple[int, int] | None = None
-    touched: tuple[int, int] | None = None
+    turn_deg: float | None = None  # its main turn, clockwise positive
+    turning: tuple[int, int] | None = None  # first and last frame of that turn
+    touched: tuple[int, int] | None = None  # first and last frame in contact
 
 
 def read_touch_table(path: Path) -> list[TouchRow]:
@@ -141,18 +95,8 @@ def read_touch_table(path: Path) -> list[TouchRow]:
                 f"two numbers in order, the first above {FIRST_IDLE}: idle frames come before it."
             )
         about = object_of(recording, values)
-        still_until = _still_until(values, begins, ends)
-        rows.append(TouchRow(recording, _fps(path, values), begins, ends, *about, still_until))
+        rows.append(TouchRow(recording, _fps(path, values), begins, ends, *about))
     return rows
-
-
-def read_untouched(path: Path) -> list[UntouchedRow]:
-    """Return the recordings of a table that show no contact, none where there is no such file."""
-    return [
-        UntouchedRow(recording, _fps(path, values), *object_of(recording, values))
-        for recording, values in _rows(path)
-        if not values["contact_start"] and not values["contact_end"]
-    ]
 
 
 def read_directed(path: Path) -> list[DirectedRow]:
@@ -189,17 +133,6 @@ def _turn(
 
     spans = frames("rotation_start", "rotation_end"), frames("contact_start", "contact_end")
     return float(turn) if turn else None, *spans
-
-
-def _still_until(values: dict[str, str], begins: int, ends: int) -> int | None:
-    """Return the last frame before any labelled turn; a press alone lasts half of its contact."""
-    if (values.get("tier") or "").strip() == PRESS_ONLY:
-        return (begins + ends) // 2
-    turns = re.findall(r"(\d+)-\d+:", values.get("other_segments") or "")
-    start = (values.get("rotation_start") or "").strip()
-    if not start.isdecimal():
-        return None
-    return min(map(int, [start, *turns])) - 1
 
 
 def _fps(path: Path, values: dict[str, str]) -> float:

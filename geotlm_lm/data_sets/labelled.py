@@ -56,21 +56,13 @@ COPIED_BYTES = 2**20
 
 @dataclass(frozen=True, eq=False)
 class Labels:
-    """What is added to a data set.
+    """What is added to a data set."""
 
-    Args:
-        names: Of the columns.
-        values: Of each episode, by its number, (frames, columns).
-        events: As rows of the events' table, with their episode.
-        events_file: Where that table goes, from the root on.
-        made_by: Plain values that say what made them.
-    """
-
-    names: tuple[str, ...]
-    values: Sequence[Values]
-    events: Sequence[dict[str, Any]]
-    events_file: str
-    made_by: dict[str, Any]
+    names: tuple[str, ...]  # of the columns
+    values: Sequence[Values]  # of each episode, by its number, (frames, columns)
+    events: Sequence[dict[str, Any]]  # as rows of the events' table, with their episode
+    events_file: str  # where that table goes, from the root on
+    made_by: dict[str, Any]  # plain values that say what made them
 
 
 def require_whole(data_set: LeRobotDataSet) -> None:

@@ -217,19 +217,12 @@ def _shown(value: object) -> str:
 
 @dataclass(frozen=True, eq=False)
 class FrameTable:
-    """Which frame of which episode each row of a table is.
+    """Which frame of which episode each row of a table is."""
 
-    Args:
-        path: Of the table.
-        episodes: Number of the episode, (rows,).
-        frames: Number of the frame in it, (rows,).
-        times_s: Since the episode's begin, (rows,).
-    """
-
-    path: Path
-    episodes: NDArray[np.int64]
-    frames: NDArray[np.int64]
-    times_s: NDArray[np.float64]
+    path: Path  # of the table
+    episodes: NDArray[np.int64]  # number of the episode, (rows,)
+    frames: NDArray[np.int64]  # number of the frame in it, (rows,)
+    times_s: NDArray[np.float64]  # since the episode's begin, (rows,)
 
     def rows_of(self, episode: int, length: int) -> NDArray[np.int64]:
         """Return the rows of an episode in order of its frames, (length,)."""

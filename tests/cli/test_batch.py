@@ -117,7 +117,6 @@ def test_the_size_of_a_pixel_stands_in_every_row(invoke, tmp_path):
 @pytest.mark.parametrize(
     "content",
     [
-        b"my notes\n",
         b"\xff\xfe",
         b"[1, 2]\n",
         b'{"clip": "a.npy"}\n',

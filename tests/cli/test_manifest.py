@@ -50,7 +50,6 @@ def test_what_was_passed_over_is_told(invoke, root, tmp_path):
             ["--out", "a.csv", "--action", "twist"],
             "--action 'twist' was given, expected WORD=ACTION.",
         ),
-        (["--out", "a.csv"], "found the actions 'twist' (2 images), expected rotate_cw"),
     ],
 )
 def test_a_wrong_call_is_refused_in_one_sentence(invoke, tmp_path, monkeypatch, words, said):

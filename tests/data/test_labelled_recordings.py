@@ -44,14 +44,10 @@ def test_four_frames_stand_evenly_inside_the_window(folder):
     assert window.clip.frame_numbers == (4, 7, 10, 13)
 
 
-def test_a_pair_is_two_frames_apart_at_the_start_each_shown_twice(folder):
-    window = next(only(folder).windows(frames=("pair",)))
-    assert levels(window.clip) == [4, 4, 6, 6]
-
-
-def test_a_pair_never_leaves_a_short_window(folder):
-    write_table(folder, "clips/cap_0.npy,4,5,clockwise")
-    assert levels(next(only(folder).windows(frames=("pair",))).clip) == [4, 4, 5, 5]
+@pytest.mark.parametrize(("last", "expected"), [(13, [4, 4, 6, 6]), (5, [4, 4, 5, 5])])
+def test_a_pair_is_two_frames_apart_within_the_window_each_shown_twice(folder, last, expected):
+    write_table(folder, f"clips/cap_0.npy,4,{last},clockwise")
+    assert levels(next(only(folder).windows(frames=("pair",))).clip) == expected
 
 
 def test_backwards_reverses_frames_and_label(folder):
@@ -59,18 +55,13 @@ def test_backwards_reverses_frames_and_label(folder):
     assert (forth.motion, back.motion) == (Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE)
     assert levels(back.clip) == levels(forth.clip)[::-1]
     assert (forth.is_backwards, back.is_backwards) == (False, True)
-
-
-def test_backwards_can_be_left_out(folder):
+    assert "guessed" in forth.clip.notes[-1]
     assert [w.is_backwards for w in only(folder).windows(backwards=False)] == [False]
 
 
-def test_without_columns_for_it_the_object_is_the_file_name(folder):
+def test_the_table_may_name_object_family_and_more_or_the_object_is_the_file(folder):
     (row,) = only(folder).rows
     assert (row.object_id, row.object_family) == ("cap_0", "cap_0")
-
-
-def test_the_table_may_name_object_family_and_more(folder):
     write_table(
         folder,
         "clips/cap_0.npy,0,9,left,cap,lids,A",
@@ -137,10 +128,6 @@ def test_the_idle_start_of_a_recording_becomes_the_background(tmp_path):
     assert not any("guessed" in note for note in window.clip.notes)
 
 
-def test_a_guessed_background_is_said(folder):
-    assert "guessed" in next(only(folder).windows()).clip.notes[-1]
-
-
 @pytest.mark.parametrize(("count", "expected"), [(159, 0), (160, 16)])
 def test_a_long_recordings_unsettled_start_stays_out_of_the_guess(
     tmp_path, monkeypatch, count, expected
@@ -165,7 +152,7 @@ def test_a_window_past_the_end_is_refused_with_the_numbers(folder):
         list(only(folder).windows())
 
 
-@pytest.mark.parametrize("numbers", ["9,4", "x,4", "-1,4", ",", "3.5,9"])
+@pytest.mark.parametrize("numbers", ["9,4", "x,4", "-1,4"])
 def test_bad_frame_numbers_are_refused_with_their_line(folder, numbers):
     write_table(folder, f"clips/cap_0.npy,{numbers},up")
     with pytest.raises(UsageError, match=r"windows.csv:2: found first_frame .* expected whole"):
@@ -181,9 +168,6 @@ def test_a_missing_recording_is_named(folder):
 def test_a_folder_without_a_table_is_refused(tmp_path):
     with pytest.raises(UnreadableClip, match="found no CSV table with the columns"):
         find_labelled_recordings(tmp_path)
-
-
-def test_a_missing_folder_is_refused(tmp_path):
     with pytest.raises(UnreadableClip, match="no such folder"):
         find_labelled_recordings(tmp_path / "gone")
 
@@ -200,13 +184,3 @@ def test_flow_names_the_turn_of_real_recordings_played_both_ways(real):
     right = [flow.predict(w.clip, ROTATIONS) == w.motion for w in some.windows()]
     # 542 of 542 measured on all windows; one of these 56 may go wrong with another decoder.
     assert np.mean(right) >= 0.98
-
-
-def test_a_file_that_is_no_table_is_one_sentence(tmp_path):
-    (tmp_path / "windows.csv").write_text("clip,first_frame,last_frame,direction\n" + "x" * 200_000)
-    with pytest.raises(UnreadableClip) as caught:
-        find_labelled_recordings(tmp_path)
-    assert str(caught.value) == (
-        f"{tmp_path}/windows.csv: is no table (field larger than field limit (131072) in line 1); "
-        f"save it as CSV again, or take it away."
-    )

@@ -153,7 +153,6 @@ def test_a_path_that_a_csv_would_part_is_refused(tmp_path):
     [
         ("**a/gone*.png", "", "bad: its frames name 0 files, expected 2 or more images"),
         ("a" * 300, "", "File name too long"),
-        ("gone/*.png", "", "bad: its frames name 0 files, expected 2 or more images"),
         ("a/0.png", "", "bad: its frames name 1 file, expected 2 or more images"),
         ("a/0.png;a/gone.png", "", "gone.png: cannot be opened (No such file or directory)"),
         ("a/0.png;b/0.png", "", "b/0.png: is 24x24 pixels, 0.png is 16x16"),
@@ -178,8 +177,6 @@ def test_a_clip_that_cannot_be_read_is_left_out_and_named(tmp_path, frames, back
     [
         ("1,cap,,press,a,,", "clips.csv:2: the action 'press' is not known, expected one of"),
         ("1,cap,,slide_up,,,", "clips.csv:2: clip_id, object_id or frames is empty"),
-        ("1,,,slide_up,a,,", "clips.csv:2: clip_id, object_id or frames is empty"),
-        ("1,cap,,slide_up,a,,fast", "clips.csv:2: 'fast' frames per second, expected a number"),
         ("1,cap,,slide_up,a,,nan", "clips.csv:2: 'nan' frames per second, expected a number"),
         ("1,cap,,slide_up,a,,-3", "clips.csv:2: '-3' frames per second, expected a number"),
         ("1,cap,,slide_up,a\0b,,", "clips.csv:2: a path holds a zero byte, expected text"),
@@ -249,9 +246,6 @@ def test_frames_are_gathered_into_clips_in_natural_order(actions_root):
     folder = "letter_l/gsmini/rotate_cw-0"
     assert clockwise.frames == tuple(f"{folder}/{number}.png" for number in (8, 9, 10, 11))
     assert clockwise.background == f"{folder}/bg.png"
-
-
-def test_without_a_background_frame_every_picture_is_a_frame(actions_root):
     assert {len(row.frames) for row in make_manifest(actions_root, PATTERN).rows} == {5}
 
 
@@ -271,12 +265,6 @@ def test_the_written_manifest_reads_wherever_it_lies(actions_root, tmp_path, pla
     assert {clip.fps for _, clip in clips} == {18}
 
 
-def test_other_words_for_actions_are_said(tmp_path):
-    touch(tmp_path, "cap/twist/1.png", "cap/twist/2.png")
-    (row,) = make_manifest(tmp_path, ANY, actions={"twist": "rotate_ccw"}).rows
-    assert row.motion == Motion.COUNTERCLOCKWISE
-
-
 def test_an_unknown_action_is_refused_with_its_count(tmp_path):
     touch(tmp_path, "cap/press/1.png", "cap/press/2.png", "cap/slide_up/1.png")
     with pytest.raises(UsageError) as caught:
@@ -286,14 +274,6 @@ def test_an_unknown_action_is_refused_with_its_count(tmp_path):
         "slide_right, slide_up, slide_down; say what they mean with --action WORD=ACTION, or "
         "narrow the pattern."
     )
-
-
-def test_clips_of_one_frame_and_unmatched_images_are_counted(tmp_path):
-    touch(tmp_path, "cap/slide_up/1.png", "key/slide_up/1.png", "key/slide_up/2.png", "notes.png")
-    made = make_manifest(tmp_path, ANY)
-    assert [row.object_id for row in made.rows] == ["key"]
-    assert made.too_short == ("cap/slide_up",)
-    assert [path.name for path in made.unmatched] == ["notes.png"]
 
 
 def test_without_a_frame_group_the_path_gives_the_order_and_hidden_copies_are_none(tmp_path):
@@ -322,8 +302,5 @@ def test_a_pattern_that_fits_nothing_is_refused_with_a_path(tmp_path):
     touch(tmp_path, "some/1.png")
     with pytest.raises(UnreadableClip, match="fits none of 1 images, the first of them some/1.png"):
         make_manifest(tmp_path, r"(?P<object>\w+)-(?P<action>\w+)")
-
-
-def test_a_missing_folder_is_refused(tmp_path):
     with pytest.raises(UnreadableClip, match="no such folder"):
-        make_manifest(tmp_path / "gone", r"(?P<object>\w+)(?P<action>\w+)")
+        make_manifest(tmp_path / "gone", ANY)

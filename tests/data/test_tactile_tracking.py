@@ -7,9 +7,6 @@ import pytest
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.data.tactile_tracking import (
-    GAPS_FRAMES,
-    LEAST_SLIDES_PX,
-    LEAST_TURNS_DEG,
     LabelledPair,
     PairRule,
     evenly_spaced,
@@ -172,9 +169,7 @@ def test_a_trial_whose_files_disagree_is_left_out_and_named(written, tmp_path):
         ),
         ("contact_masks.npy", np.zeros((6, 4, 5), bool), "masks have the shape (4, 5), the video"),
         ("contact_masks.npy", np.float64(1), "found float64 of shape (), expected numbers, one"),
-        ("contact_masks.npy", np.array(["a"] * 6), "expected numbers, one entry per frame"),
-        ("true_start_T_currs.npy", np.float64(1), "found float64 of shape (), expected floating"),
-        ("gradient_maps.npy", np.float64(1), "gradient_maps.npy: found float64 of shape ()"),
+        ("contact_masks.npy", np.array([{}], object), "Python objects, which are never unpickled"),
         ("gradient_maps.npy", np.zeros((3, 4, 5, 2)), "3 of gradient maps, expected equally many"),
     ],
 )
@@ -187,11 +182,6 @@ def test_damaged_files_are_named_with_what_was_expected(one, name, array, said):
 def test_a_missing_file_is_named(one, name):
     (one / "key0" / name).unlink()
     assert f"{one / 'key0'}: {name} is missing; unpack the trial again." in reason(one)
-
-
-def test_masks_that_would_run_code_are_never_unpickled(one):
-    np.save(one / "key0" / "contact_masks.npy", np.array([{}], object), allow_pickle=True)
-    assert "Python objects, which are never unpickled" in reason(one)
 
 
 def test_poses_of_an_unknown_convention_are_refused(one):
@@ -267,22 +257,6 @@ def only_label(poses, task, rule=FRAME_RULE, **trial):
     return [pair.motion for pair in pairs]
 
 
-@pytest.mark.parametrize(
-    ("moved", "expected"),
-    [
-        ({"x_mm": 1.0}, Motion.LEFT),
-        ({"x_mm": -1.0}, Motion.RIGHT),
-        ({"y_mm": 1.0}, Motion.UP),
-        ({"y_mm": -1.0}, Motion.DOWN),
-        ({"turn_deg": 8.0}, Motion.COUNTERCLOCKWISE),
-        ({"turn_deg": -8.0}, Motion.CLOCKWISE),
-    ],
-)
-def test_the_object_moves_against_the_sensor(moved, expected):
-    task = "rotation" if expected in ROTATIONS else "sliding"
-    assert only_label(sensor_moved(**moved), task) == [expected]
-
-
 def test_the_path_of_an_object_comes_back_from_the_sensors_poses():
     """The simulator's object turns by 20 degrees clockwise and travels 2 mm right, 1 mm up."""
     path = path_of(5, x=(0, 2.0), y=(0, -1.0), turn_deg=(10, 30))
@@ -292,7 +266,6 @@ def test_the_path_of_an_object_comes_back_from_the_sensors_poses():
 
 
 def test_a_turn_about_the_contact_carries_the_contact_nowhere():
-    """The contact lies off the middle: turning about it takes the image's middle along, not it."""
     turn, arm_m = np.radians(10), np.array([3e-3, -2e-3])
     spin = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     seen = np.eye(4)
@@ -342,10 +315,6 @@ def steady_turn(step_deg, count=60):
 def test_a_sweep_counts_every_gap_and_threshold():
     """One degree a frame: a pair g frames apart turns by g degrees, 60 - g such pairs."""
     rows = sweep_pair_counts([steady_turn(1.0)], PairRule(), "rotation")
-    assert len(rows) == len(GAPS_FRAMES) * len(LEAST_TURNS_DEG)
-    assert len(sweep_pair_counts([], PairRule(), "sliding")) == len(GAPS_FRAMES) * len(
-        LEAST_SLIDES_PX
-    )
     found = {(row["gap_frames"], row["least"]): row["pairs"] for row in rows}
     # At just its threshold a turn may round either way; none of these is.
     assert (found[5, 3.0], found[10, 5.0], found[10, 12.0], found[25, 12.0]) == (55, 50, 0, 35)

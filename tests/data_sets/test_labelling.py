@@ -24,6 +24,7 @@ from geotlm_lm.data_sets.lerobot import LeRobotDataSet, read_data_set
 from geotlm_lm.recordings import policy
 from geotlm_lm.runs.run import LOST, Workers
 from geotlm_lm.track.tracker import track_of
+from tests.cli.recorded_touch import Measuring
 from tests.data_sets.lerobot_files import CAMERA, FPS, KINDS, turned, write_data_set
 from tests.full_disk import full_disk
 from tests.track import stream as simulated
@@ -43,6 +44,17 @@ NAMES = tuple(
 @pytest.fixture(scope="module")
 def root(tmp_path_factory):
     return write_data_set(tmp_path_factory.mktemp("sets") / "robot", CLIPS)
+
+
+@pytest.fixture(scope="module")
+def labelled(root, tmp_path_factory):
+    """The data set with its labels."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("geotlm_lm.answering.Answerer.load", lambda *_, **__: Measuring())
+        loaded.cache_clear()
+        label_data_set(Labelling(root, CAMERA), out := tmp_path_factory.mktemp("sets") / "labelled")
+        loaded.cache_clear()
+    return out
 
 
 def files_of(folder):
@@ -92,10 +104,8 @@ def simulated_turn_deg_s(times_s):
     return (way[1] - way[0]) * FPS / 4
 
 
-def test_the_new_data_set_is_the_old_one_with_columns(root, tmp_path, without_model):
-    out = tmp_path / "out"
-    label_data_set(Labelling(root, CAMERA), out)
-    data_set, original = read_data_set(out), read_data_set(root)
+def test_the_new_data_set_is_the_old_one_with_columns(root, labelled):
+    data_set, original = read_data_set(labelled), read_data_set(root)
     assert data_set.episodes == original.episodes
     added = {name: data_set.features[name] for name in NAMES}
     content = original.info.content
@@ -103,24 +113,24 @@ def test_the_new_data_set_is_the_old_one_with_columns(root, tmp_path, without_mo
     assert set(map(json.dumps, added.values())) == {
         '{"dtype": "float32", "shape": [1], "names": null}'
     }
-    plain = [{k: v for k, v in row.items() if k not in NAMES} for row in rows(out)]
+    plain = [{k: v for k, v in row.items() if k not in NAMES} for row in rows(labelled)]
     assert plain == rows(root)
     before, after = (
-        parquet.ParquetFile(folder / "data/chunk-000/file-000.parquet") for folder in (root, out)
+        parquet.ParquetFile(folder / "data/chunk-000/file-000.parquet")
+        for folder in (root, labelled)
     )
     assert after.num_row_groups == before.num_row_groups == 2
     assert after.schema_arrow.metadata == before.schema_arrow.metadata
     assert {str(after.schema_arrow.field(name).type) for name in NAMES} == {"float"}
     kept = ("README.md", "meta/tasks.parquet")
-    assert all((out / name).read_bytes() == (root / name).read_bytes() for name in kept)
+    assert all((labelled / name).read_bytes() == (root / name).read_bytes() for name in kept)
 
 
 def test_videos_are_the_same_files_and_where_that_cannot_be_equal_ones(
-    root, tmp_path, monkeypatch, without_model
+    root, labelled, tmp_path, monkeypatch, without_model
 ):
     name = f"videos/{CAMERA}/chunk-000/file-001.mp4"
-    label_data_set(Labelling(root, CAMERA), tmp_path / "linked")
-    assert (tmp_path / "linked" / name).samefile(root / name)
+    assert (labelled / name).samefile(root / name)
 
     def unlinked(*_):
         raise OSError("another disk")
@@ -128,20 +138,18 @@ def test_videos_are_the_same_files_and_where_that_cannot_be_equal_ones(
     monkeypatch.setattr("os.link", unlinked)
     label_data_set(Labelling(root, CAMERA), tmp_path / "copied")
     assert not (tmp_path / "copied" / name).samefile(root / name)
-    assert files_of(tmp_path / "copied") == files_of(tmp_path / "linked")
+    assert files_of(tmp_path / "copied") == files_of(labelled)
 
 
-def test_statistics_are_those_of_the_columns(root, tmp_path, without_model):
-    out = tmp_path / "out"
-    label_data_set(Labelling(root, CAMERA), out)
-    told = json.loads((out / "meta/stats.json").read_text())
-    values = np.array([row["tactile.turn_deg_s"] for row in rows(out)])
+def test_statistics_are_those_of_the_columns(root, labelled):
+    told = json.loads((labelled / "meta/stats.json").read_text())
+    values = np.array([row["tactile.turn_deg_s"] for row in rows(labelled)])
     assert set(told["tactile.turn_deg_s"]) == set(KINDS)
     assert told["tactile.turn_deg_s"]["mean"] == pytest.approx([values.mean()])
     assert told["tactile.turn_deg_s"]["q90"] == pytest.approx([np.quantile(values, 0.9)])
     assert told["tactile.turn_deg_s"]["count"] == [78]
     assert told["index"] == json.loads((root / "meta/stats.json").read_text())["index"]
-    table = parquet.ParquetFile(out / "meta/episodes/chunk-000/file-000.parquet").read()
+    table = parquet.ParquetFile(labelled / "meta/episodes/chunk-000/file-000.parquet").read()
     kept = table["stats/timestamp/max"].type
     assert table["stats/tactile.contact/max"].type == kept
     assert table["stats/tactile.contact/count"].to_pylist() == [[24], [28], [26]]
@@ -165,10 +173,9 @@ def test_events_are_a_table_with_their_episode(root, tmp_path, without_model):
 
 
 def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
-    root, tmp_path, monkeypatch, without_model
+    root, labelled, tmp_path, monkeypatch, without_model
 ):
-    whole, out = tmp_path / "whole", tmp_path / "out"
-    label_data_set(Labelling(root, CAMERA), whole)
+    out = tmp_path / "out"
     tracked, track = [], labelling_module._track
 
     def stopping(data_set, episode, labelling):
@@ -187,17 +194,15 @@ def test_a_stopped_run_keeps_what_is_done_and_ends_with_the_same_bytes(
     tracked.clear()
     assert label_data_set(Labelling(root, CAMERA), out).continued == 1
     assert tracked == [1, 2]
-    assert files_of(out) == files_of(whole)
+    assert files_of(out) == files_of(labelled)
     assert not (tmp_path / "out.part").exists()
 
 
-def test_nothing_is_replaced_and_nothing_labelled_twice(root, tmp_path, without_model):
-    out = tmp_path / "out"
-    label_data_set(Labelling(root, CAMERA), out)
+def test_nothing_is_replaced_and_nothing_labelled_twice(root, labelled, tmp_path, without_model):
     with pytest.raises(UsageError, match="is there already and would be replaced"):
-        label_data_set(Labelling(root, CAMERA), out)
+        label_data_set(Labelling(root, CAMERA), labelled)
     with pytest.raises(UsageError, match=r"has a column tactile\.turn_deg_s already"):
-        label_data_set(Labelling(out, CAMERA), tmp_path / "twice")
+        label_data_set(Labelling(labelled, CAMERA), tmp_path / "twice")
     with pytest.raises(UsageError, match="lies in the data set that is read"):
         label_data_set(Labelling(root, CAMERA), root / "labelled")
 
@@ -216,12 +221,11 @@ def test_an_episode_without_a_picture_has_no_labels_and_the_others_have(tmp_path
 
 
 def test_an_episode_that_does_not_fit_into_memory_is_tracked_frame_by_frame(
-    root, tmp_path, monkeypatch, without_model
+    root, labelled, tmp_path, monkeypatch, without_model
 ):
-    label_data_set(Labelling(root, CAMERA), tmp_path / "whole")
     monkeypatch.setattr(policy, "KEPT_BYTES", 10 * CLIPS[0].frames[0].nbytes)
     label_data_set(Labelling(root, CAMERA), tmp_path / "out")
-    assert rows(tmp_path / "out") == rows(tmp_path / "whole")
+    assert rows(tmp_path / "out") == rows(labelled)
 
 
 @pytest.mark.slow
@@ -259,38 +263,34 @@ def test_an_episode_that_ends_its_process_has_no_labels_and_the_others_have(
 
 
 @pytest.mark.parametrize("room", [600, 4000])
-def test_a_full_disk_is_told_by_the_file_that_is_written(root, tmp_path, without_model, room):
+def test_a_full_disk_is_told_by_the_file_that_is_written(
+    root, labelled, tmp_path, without_model, room
+):
     out = tmp_path / "out"
-    label_data_set(Labelling(root, CAMERA), tmp_path / "enough")
     with full_disk(room), pytest.raises(Unwritten, match=rf"^{out}\.part/.*: cannot be written"):
         label_data_set(Labelling(root, CAMERA), out)
     assert not out.exists()
     label_data_set(Labelling(root, CAMERA), out)
-    assert files_of(out) == files_of(tmp_path / "enough")
+    assert files_of(out) == files_of(labelled)
 
 
-def test_rerun_reads_the_new_data_set_as_one_of_version_3(root, tmp_path, without_model):
+def test_rerun_reads_the_new_data_set_as_one_of_version_3(labelled):
     rerun = pytest.importorskip("rerun.experimental", reason="needs rerun-sdk, of the extra rerun")
-    label_data_set(Labelling(root, CAMERA), tmp_path / "out")
-    reader = rerun.LeRobotReader(tmp_path / "out")
+    reader = rerun.LeRobotReader(labelled)
     assert (reader.version, list(reader.episodes())) == ("v3", [0, 1, 2])
 
 
-def test_datasets_reads_the_new_tables_by_their_features_as_lerobot_does(
-    root, tmp_path, without_model
-):
+def test_datasets_reads_the_new_tables_by_their_features_as_lerobot_does(labelled, tmp_path):
     datasets = pytest.importorskip("datasets", reason="needs datasets, of the extra dev")
-    out = tmp_path / "out"
-    label_data_set(Labelling(root, CAMERA), out)
     kinds = {
         name: datasets.Value(feature["dtype"])
         if feature["shape"] == [1]
         else datasets.Sequence(datasets.Value(feature["dtype"]), length=feature["shape"][0])
-        for name, feature in read_data_set(out).features.items()
+        for name, feature in read_data_set(labelled).features.items()
         if feature["dtype"] != "video"
     }
     for folder, features in (("data", datasets.Features(kinds)), ("meta/episodes", None)):
-        paths = [str(path) for path in sorted((out / folder).glob("*/*.parquet"))]
+        paths = [str(path) for path in sorted((labelled / folder).glob("*/*.parquet"))]
         found = datasets.Dataset.from_parquet(
             paths, features=features, cache_dir=str(tmp_path / "cache")
         )

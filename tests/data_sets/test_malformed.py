@@ -84,10 +84,6 @@ def texts(values):
     return [str(value) for value in values]
 
 
-def floats(values):
-    return [float(value) for value in values]
-
-
 def first(value):
     return lambda values: [value, *values[1:]]
 
@@ -101,16 +97,13 @@ OUTSIDE = "leads out of that folder"
 INFOS = {
     "fps of 0": (info(fps=0), "fps is 0, expected a number above 0"),
     "fps as text": (info(fps="25"), "fps is '25', expected a number"),
-    "fps true": (info(fps=True), "fps is True, expected a number"),
     "fps not a number": (info(fps=float("nan")), "fps is nan, expected a number"),
     "fps huge": (info(fps=10**400), "fps is 1000"),
-    "fps missing": (info(fps=None), "fps is missing, expected a number"),
     "features a list": (info(features=[]), "features is a list, expected an object"),
     "a feature as text": (info(features={"a": "b"}), "the dtype of 'a' is missing"),
     "total as text": (info(total_episodes="2"), "total_episodes is '2', expected a whole"),
     "total huge": (info(total_episodes=10**12), "2 episodes were found, expected 1000000000000"),
     "another key": (info(data_path="data/{episode_chunk}"), "fills in 'episode_chunk'"),
-    "an index": (info(data_path="data/{chunk_index[0]}"), r"fills in 'chunk_index\[0\]'"),
     "an attribute": (info(data_path="data/{chunk_index.real}"), "fills in 'chunk_index.real'"),
     "a wide number": (info(data_path="data/{chunk_index:0999999999d}"), "in a form of its own"),
     "a conversion": (info(video_path="{video_key!r}/{file_index}"), "in a form of its own"),
@@ -118,15 +111,12 @@ INFOS = {
     "a list for a path": (info(data_path=["data"]), "its data_path, a list, is no text"),
     "no video_path": (info(video_path=None), "its video_path, missing, is no text"),
     "data above": (info(data_path="../../evil.parquet"), OUTSIDE),
-    "data above within": (info(data_path="data/../../evil.parquet"), OUTSIDE),
     "data above, backslashes": (info(data_path="..\\evil.parquet"), OUTSIDE),
     "data elsewhere": (info(data_path="/tmp/evil.parquet"), OUTSIDE),
     "data on a drive": (info(data_path="C:evil.parquet"), OUTSIDE),
     "data nowhere": (info(data_path=""), OUTSIDE),
     "video above": (info(video_path="../{video_key}.mp4"), OUTSIDE),
-    "video elsewhere": (info(video_path="/tmp/evil.mp4"), OUTSIDE),
     "a NUL": (info(data_path="data/\0"), "holds characters that no path has"),
-    "half a character": (info(data_path="data/\ud800"), "holds characters that no path has"),
     "a camera above": (camera_called("../../evil"), "a camera's name is '../../evil'"),
     "a camera ..": (camera_called(".."), r"a camera's name is '\.\.'"),
     "nested JSON": (written("meta/info.json", b"[" * 200_000), "cannot be read"),
@@ -137,14 +127,9 @@ INFOS = {
     "length as text": (column(EPISODES, "length", texts), "column length holds string values"),
     "length null": (column(EPISODES, "length", first(None)), "column length holds 1 empty cells"),
     "length of 0": (column(EPISODES, "length", first(0)), "a length of 0 frames"),
-    "episode as text": (column(EPISODES, "episode_index", texts), "holds string values"),
     "episode twice": (column(EPISODES, "episode_index", always(0)), "2 episodes were found"),
     "chunk below 0": (column(EPISODES, "data/chunk_index", first(-1)), "whole numbers from 0"),
     "no chunk": (column(EPISODES, "data/chunk_index", lambda _: None), "has no column data/chunk"),
-    "video since text": (
-        column(EPISODES, f"videos/{CAMERA}/from_timestamp", texts),
-        "from_timestamp holds string values",
-    ),
     "video since never": (
         column(EPISODES, f"videos/{CAMERA}/from_timestamp", first(float("inf"))),
         "expected seconds from 0",
@@ -158,16 +143,12 @@ FRAMES = {
     "time huge": (column(DATA, "timestamp", first(1e300)), "expected seconds from 0 to 1e"),
     "time not a number": (column(DATA, "timestamp", first(float("nan"))), "seconds from 0"),
     "times all 0": (column(DATA, "timestamp", always(0.0)), "does not rise"),
-    "frames as floats": (column(DATA, "frame_index", floats), "frame_index holds double values"),
     "frames shifted": (
         column(DATA, "frame_index", lambda values: [value + 1 for value in values]),
         "frame_index of episode 0 goes from 1 to 24 in 24 rows, expected each of 0 to 23 once",
     ),
     "frames all 0": (column(DATA, "frame_index", always(0)), "goes from 0 to 0 in 24 rows"),
-    "frames below 0": (column(DATA, "frame_index", first(-5)), "whole numbers from 0"),
-    "no frames": (column(DATA, "frame_index", lambda _: None), "has no column frame_index"),
     "rows of no episode": (column(DATA, "episode_index", first(99)), "holds 23 rows of episode 0"),
-    "episodes as text": (column(DATA, "episode_index", texts), "episode_index holds string"),
     "no table": (lambda root: (root / DATA).unlink(), "cannot be read"),
     "a pipe": (piped(DATA), "cannot be read"),
     "a column's name no text": (
