@@ -60,16 +60,6 @@ def test_noise_is_not_perceived(bundle):
     assert not np.array_equal(one.clip.frames, other.clip.frames)  # shown as they were recorded
 
 
-def test_a_touched_clip_is_perceived_as_it_is(bundle):
-    answerer = feeling(bundle, "press")
-    encoded = answerer.encode(recording())
-    assert not encoded.is_untouched
-    answer = answerer.ask(encoded, "Which way is it going?")
-    assert answer.direction is Motion.PRESS
-    assert answer.told_by == "model"
-    assert list(answer.timing_ms) == ["choose", "touch", "encode", "read", "answer", "total"]
-
-
 @pytest.mark.parametrize("question", ["way", "mirror > way", "kind", "claim touch"])
 def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question):
     answerer = feeling(bundle, "none", belief=believed("none"))
@@ -90,6 +80,15 @@ def test_what_an_idle_gel_may_do_now_and_then_is_doubtful(bundle):
     sure = replace(encoded, is_faint=False).belief
     spread = encoded.belief.deviation(Component.TURN) / sure.deviation(Component.TURN)
     assert spread == pytest.approx(FAINT_DOUBT)
+
+
+def test_an_imprint_that_the_border_cuts_off_is_told_with_less_certainty(bundle):
+    answerer, clip = feeling(bundle, "press"), recording()
+    frames = np.stack([clip.frames[0]] * 4)
+    frames[1:, :, : clip.frames.shape[2] // 12] //= 2
+    note = "The border of the image cuts the imprint off: answers are less sure."
+    assert note in answerer.ask(answerer.encode(replace(clip, frames=frames)), "way").notes
+    assert note not in answerer.ask(answerer.encode(clip), "way").notes
 
 
 def test_any_other_claim_about_a_faint_touch_is_told(bundle):

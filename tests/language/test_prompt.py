@@ -20,15 +20,6 @@ def test_an_answer_ends_and_reads_back(speaker):
     assert speaker.prompts.decode([*ids, 77, 78]) == "Left, in the camera image."
 
 
-@pytest.mark.parametrize("question", ["", "  \n"])
-def test_an_empty_question_is_refused_with_an_example(speaker, question):
-    with pytest.raises(UsageError) as caught:
-        speaker.prompts.prompt(question)
-    assert str(caught.value) == (
-        "The question is empty; ask something like 'Which way is it turning?'."
-    )
-
-
 def test_a_question_that_leaves_no_room_for_an_answer_is_refused(speaker):
     with pytest.raises(UsageError) as caught:
         speaker.prompts.prompt("\u6f22" * 60)
