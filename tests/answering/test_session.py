@@ -17,9 +17,7 @@ def session(bundle):
     ("first", "then", "way"),
     [
         ("way turn", "mirror > again", Motion.COUNTERCLOCKWISE),
-        ("way turn", "backwards > again", Motion.COUNTERCLOCKWISE),
         ("mirror > way turn", "backwards > again", Motion.CLOCKWISE),
-        ("mirror > way turn", "again plain", Motion.CLOCKWISE),
         ("way turn", "again sensor", Motion.COUNTERCLOCKWISE),
     ],
 )

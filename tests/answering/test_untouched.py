@@ -18,7 +18,6 @@ IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uin
 
 
 def faintly_touched(background=IDLE, grey=2.4):
-    """An imprint of a grey level or two that comes and goes, and no noise."""
     rows, columns = np.mgrid[:120, :160]
     imprint = grey * np.exp(-((rows - 60) ** 2 + (columns - 80) ** 2) / (2 * 10**2))
     touched = np.rint(IDLE + imprint[..., None]).astype(np.uint8)
@@ -110,15 +109,12 @@ def test_against_a_guessed_background_no_change_is_beyond_noise(bundle):
 def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, question, felt):
     shown = recording().frames[0]
     answerer = feeling(bundle, felt)
-    answer = answerer.ask(answerer.encode(Clip(np.stack([shown] * 4))), question)
+    unknown = answerer.encode(Clip(np.stack([shown] * 4)))
+    answer = answerer.ask(unknown, question)
     assert answer.abstained
     assert answer.text.startswith("Nothing moves in these frames; whether anything touches")
     known = answerer.encode(Clip(np.stack([shown] * 4), background=recording(seed=5).frames[0]))
     assert answerer.ask(known, question).text != answer.text
-
-
-def test_that_nothing_moves_is_told_without_an_idle_frame_too(bundle):
-    answerer = feeling(bundle, "still")
-    encoded = answerer.encode(Clip(np.stack([recording().frames[0]] * 4)))
-    answer = answerer.ask(encoded, "Is it moving?")
-    assert (answer.decided, answer.abstained) == ("no", False)
+    if felt == "still":
+        moving = answerer.ask(unknown, "Is it moving?")
+        assert (moving.decided, moving.abstained) == ("no", False)

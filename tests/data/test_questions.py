@@ -64,10 +64,14 @@ def test_question_text_alone_predicts_no_answer(asked, type_id):
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
-def test_the_text_of_a_choice_alone_predicts_no_letter(asked, count):
+def test_the_true_letter_is_uniform_and_the_text_of_a_choice_alone_predicts_none(asked, count):
     # With fewer options fewer letters are possible, and that is no leak.
     of_type = [q for q in asked if q.type_id == "T3" and len(q.options) == count]
-    assert_at_chance([q.question for q in of_type], [q.slots.letter for q in of_type])
+    letters = [q.slots.letter for q in of_type]
+    assert_at_chance([q.question for q in of_type], letters)
+    shares = np.array(list(Counter(letters).values())) / len(letters)
+    assert len(shares) == count
+    assert np.abs(shares - 1 / count).max() < 4 * np.sqrt(1 / count / len(letters))
 
 
 @pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - NAMES_MOTIONS))
@@ -102,14 +106,6 @@ def test_a_claim_is_true_half_of_the_time_whatever_it_claims(asked, type_id, of_
     assert len(by_claim) == len(Motion)
     for verdicts in by_claim.values():
         assert abs(np.mean(verdicts) - 0.5) < 4 * 0.5 / np.sqrt(len(verdicts))
-
-
-@pytest.mark.parametrize("count", [2, 3, 4])
-def test_the_true_letter_is_uniform(asked, count):
-    letters = [q.slots.letter for q in asked if q.type_id == "T3" and len(q.options) == count]
-    shares = np.array(list(Counter(letters).values())) / len(letters)
-    assert len(shares) == count
-    assert np.abs(shares - 1 / count).max() < 4 * np.sqrt(1 / count / len(letters))
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])

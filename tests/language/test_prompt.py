@@ -7,7 +7,7 @@ from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 
 
 def test_a_prompt_is_the_prefix_the_question_and_the_turn_of_the_assistant(speaker):
-    ids = speaker.prompts.prompt("Which way?")
+    ids = speaker.prompts.prompt("  Which\n WAY? ")
     words = [speaker.prompts.tokenizer.id_to_token(i) for i in ids]
     assert words[:4] == ["<tactile>"] * 3 + ["<user>"]
     assert words[-1] == "<assistant>"
