@@ -88,12 +88,10 @@ def test_a_choice_weighs_only_the_letters_offered(bundle):
     assert set(answer.options) == {"A", "B"}
 
 
-def test_an_unknown_background_is_estimated_and_said(bundle):
-    encoded = feeling(bundle, "clockwise").encode(recording())
+def test_an_unknown_background_is_estimated_and_said_and_one_frame_is_too_few(bundle):
+    answerer = feeling(bundle, "clockwise")
+    encoded = answerer.encode(recording())
     assert encoded.clip.background is not None
     assert any("estimated" in note for note in encoded.clip.notes)
-
-
-def test_a_single_frame_is_refused(bundle):
     with pytest.raises(UnreadableClip, match="only 1 frame"):
-        feeling(bundle, "clockwise").encode(recording(1))
+        answerer.encode(recording(1))

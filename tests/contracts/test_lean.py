@@ -111,8 +111,6 @@ NEEDS = {
     "--version": set(),
     "--help": set(),
     "answer --help": set(),
-    "bench --help": set(),
-    "evaluate --help": set(),
     "bench render --help": set(),
     "info --clip CLIP": READING,
     "doctor CLIP": READING,

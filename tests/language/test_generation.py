@@ -148,8 +148,5 @@ def test_a_damaged_folder_is_refused_in_one_sentence(speaker, tmp_path, case):
     assert str(caught.value).startswith(f"{tmp_path}: ")
     assert said in str(caught.value)
     assert "download the model again" in str(caught.value)
-
-
-def test_a_missing_folder_says_what_to_do(tmp_path):
     with pytest.raises(IncompatibleBundle, match="save or download the model again"):
         Speaker.load(tmp_path / "absent")
