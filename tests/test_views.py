@@ -34,9 +34,7 @@ def one_patch(row, column, side=14):
 def centre_of(change):
     """Return (x, y) of the middle of an image's weight."""
     rows, columns = np.indices(change.shape)
-    return float((columns * change).sum() / change.sum()), float(
-        (rows * change).sum() / change.sum()
-    )
+    return tuple(float((places * change).sum() / change.sum()) for places in (columns, rows))
 
 
 def yellow(image):
@@ -76,13 +74,6 @@ def test_the_contact_stands_in_its_place_where_idle_gel_fills_up_the_square():
     assert y + 4 == pytest.approx(10.5 / 14 * 448, abs=2)
 
 
-def test_a_mask_of_one_covers_the_view_and_nothing_else():
-    view = View(centre_x_px=112.0, centre_y_px=112.0, side_px=112.0)
-    share = in_image(np.ones((14, 14), np.float32), view, (224, 224))
-    assert share[60:164, 60:164].min() == pytest.approx(1.0, abs=1e-5)
-    assert share[:50].max() == share[:, 180:].max() == 0
-
-
 @pytest.mark.parametrize("view", [WHOLE, View(120.0, 104.0, 112.0)])
 def test_a_grid_is_read_at_the_middle_of_every_pixel(view):
     grid = np.tile(np.arange(14, dtype=np.float32), (14, 1))
@@ -91,6 +82,9 @@ def test_a_grid_is_read_at_the_middle_of_every_pixel(view):
     read_at = (np.arange(56) + 0.5 - left) / cell - 0.5
     inside = (read_at > 1) & (read_at < 12)
     assert drawn[28][inside] == pytest.approx(read_at[inside], abs=0.04)
+    covered = in_image(np.ones((14, 14), np.float32), view, (56, 56))[28]
+    assert covered[inside] == pytest.approx(1, abs=1e-5)
+    assert covered[(read_at < -2) | (read_at > 15)].sum() == 0
 
 
 def length_of(drawn):

@@ -33,13 +33,7 @@ class Scripted:
 def believed(*ways, share=0.97, contact=None, deg=12.0, px=14.0, mm=0.5, spread=0.05):
     """A belief that these ways count, the larger first, and no other; a word of rest is none.
 
-    Args:
-        share: Probability of each, the rest being that it does not count.
-        contact: Probability of contact; None makes it that of a touch, or of none for "none".
-        deg: How far a turn goes; a lesser turn or slide beside another goes half as far.
-        px: How far a slide goes, pixels of the 224-pixel image.
-        mm: How deep a press goes.
-        spread: Deviation of each amount, relative to it.
+    The first goes so far, others 0.4 times; `spread` is the deviation, relative to each amount.
     """
     ways = [Motion(way) for way in ways]
     shares = {way: 0.0 for ways_ in WAYS.values() for way in ways_}

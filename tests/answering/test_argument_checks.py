@@ -1,14 +1,25 @@
-"""What is no encoded clip, no frame or no kind is refused in one sentence wherever it is given."""
-
-from pathlib import Path
+"""What is no clip, no frame, no question or no kind is refused in one sentence wherever given."""
 
 import pytest
 
+from geotlm_lm.core.errors import UsageError, check_question
 from tests.answering.scripted import feeling, recording
 
 ENCODE_FIRST = (
     "an encoded clip was expected, found {}; encode it first, by answerer.encode(read_clip(path)) "
     "or answerer.encode(Clip(frames))"
+)
+FRAME = (
+    "a frame is a FrameSpec, found {}; give for example FrameSpec(viewpoint='object'), or leave it "
+    "out"
+)
+NO_CLIP = (
+    "encode takes a Clip, found str; read a file by read_clip(path), or make one of an array by "
+    "Clip(frames)"
+)
+NO_ANSWER = (
+    "reasons are given for an Answer, found Comparison; pass on what answerer.ask(encoded, "
+    "question) returns"
 )
 
 
@@ -23,57 +34,46 @@ def encoded(answerer):
 
 
 CALLS = {
-    "ask": lambda answerer, encoded, given: answerer.ask(given, "Which way?"),
-    "session": lambda answerer, encoded, given: answerer.session(given),
-    "add_clip": lambda answerer, encoded, given: answerer.session(encoded).add_clip(given),
-    "compare": lambda answerer, encoded, given: answerer.compare(encoded, given),
-    "why": lambda answerer, encoded, given: answerer.why(
-        given, answerer.ask(encoded, "Which way?")
+    "encode": (lambda by, _: by.encode("clip.npz"), NO_CLIP),
+    "ask": (lambda by, _: by.ask("clip.npz", "Which way?"), ENCODE_FIRST.format("str")),
+    "session": (lambda by, _: by.session(recording()), ENCODE_FIRST.format("Clip")),
+    "add_clip": (
+        lambda by, clip: by.session(clip).add_clip(recording().frames),
+        ENCODE_FIRST.format("ndarray"),
+    ),
+    "compare": (lambda by, clip: by.compare(clip, None), ENCODE_FIRST.format("NoneType")),
+    "why": (
+        lambda by, clip: by.why("clip.npz", by.ask(clip, "Which way?")),
+        ENCODE_FIRST.format("str"),
+    ),
+    "ask in a frame": (
+        lambda by, clip: by.ask(clip, "Which way?", frame=None),
+        FRAME.format("NoneType"),
+    ),
+    "compare in a frame": (
+        lambda by, clip: by.compare(clip, clip, frame={}),
+        FRAME.format("dict"),
+    ),
+    "session in a frame": (lambda by, clip: by.session(clip, "object"), FRAME.format("str")),
+    "why of a comparison": (lambda by, clip: by.why(clip, by.compare(clip, clip)), NO_ANSWER),
+    "question": (
+        lambda *_: check_question(None),
+        "a question is a text, found NoneType; give one such as 'Which way is it moving?'",
     ),
 }
 
 
 @pytest.mark.parametrize("call", CALLS)
-@pytest.mark.parametrize(
-    ("given", "found"),
-    [
-        ("clip.npz", "str"),
-        (Path("clip.npz"), "PosixPath"),
-        (recording(), "Clip"),
-        (recording().frames, "ndarray"),
-        (None, "NoneType"),
-    ],
-    ids=["text", "path", "clip", "array", "none"],
-)
-def test_what_is_not_encoded_is_told_to_be_encoded(answerer, encoded, call, given, found):
+def test_what_is_of_another_kind_is_refused_with_what_to_give(answerer, encoded, call):
+    make, sentence = CALLS[call]
     with pytest.raises(TypeError) as caught:
-        CALLS[call](answerer, encoded, given)
-    assert str(caught.value) == ENCODE_FIRST.format(found)
+        make(answerer, encoded)
+    assert str(caught.value) == sentence
 
 
-@pytest.mark.parametrize(("given", "found"), [(None, "NoneType"), ({}, "dict"), ("object", "str")])
-def test_what_is_no_frame_is_refused_with_what_to_give(answerer, encoded, given, found):
-    calls = (
-        lambda: answerer.ask(encoded, "Which way?", frame=given),
-        lambda: answerer.compare(encoded, encoded, frame=given),
-        lambda: answerer.session(encoded, given),
-    )
-    for call in calls:
-        with pytest.raises(TypeError) as caught:
-            call()
-        assert str(caught.value) == (
-            f"a frame is a FrameSpec, found {found}; give for example "
-            f"FrameSpec(viewpoint='object'), or leave it out"
-        )
-
-
-def test_reasons_are_given_for_an_answer_about_one_clip(answerer, encoded):
-    with pytest.raises(TypeError) as caught:
-        answerer.why(encoded, answerer.compare(encoded, encoded))
-    assert str(caught.value) == (
-        "reasons are given for an Answer, found Comparison; pass on what answerer.ask(encoded, "
-        "question) returns"
-    )
+def test_a_question_that_is_no_text_is_refused():
+    with pytest.raises(UsageError, match="holds bytes that are no text"):
+        check_question("which way \udce4?")
 
 
 @pytest.mark.parametrize("span", [5, (0.0, 2.5), (1,), (0, 2, 3), "ab", ()])

@@ -104,6 +104,8 @@ def test_every_clip_and_question_gets_a_row_in_order(bundle, clips, tmp_path, mo
     assert len({row["error"] for row in rows[3:6]}) == 1
     assert rows[3]["error"].startswith(str(clips / "b.npy"))
     assert len(encoded) == 2  # once a clip, whatever the number of questions
+    with pytest.raises(ValueError, match="^a run takes 1 question or more, found none$"):
+        answer_by(feeling(bundle, "left"), clips_in(clips), [], out)
 
 
 class Deadly(StoredRecording):
@@ -175,11 +177,6 @@ def test_an_unfinished_run_of_something_else_is_not_continued(
         f"{part}: belongs to a run of other clips, questions or facts, or of another model or "
         f"version, expected this one's; delete it to begin anew, or give another --out."
     )
-
-
-def test_a_run_without_questions_is_refused(bundle, clips, tmp_path):
-    with pytest.raises(ValueError, match="^a run takes 1 question or more, found none$"):
-        answer_by(feeling(bundle, "left"), clips_in(clips), [], tmp_path / "x.jsonl")
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from geotlm_lm.answering import Answerer
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.query.types import ASKS
-from tests.answering.scripted import believed, feeling, recording
+from tests.answering.scripted import feeling, recording
 
 SCHEMA = answer_schema()
 is_valid = Draft202012Validator(SCHEMA).is_valid
@@ -29,21 +29,16 @@ LINES = (
     "way", "kind", "claim cw", "choice A left , B right", "amount", "amount turn deg per-s",
     "when turn begin", "how-long turn", "how-often turn", "order", "why", "how-sure cw", "place",
     "alternatives", "compare same", "which-clip cw", "recording frames", "setup frame",
-    "again",
-    "help",
-    "talk thanks", "unanswerable force", "not-understood", "fact mirrored", "undo > way",
-    "way ; amount",
+    "again", "help", "talk thanks", "unanswerable force", "not-understood", "fact mirrored",
+    "undo > way", "way ; amount",
 )  # fmt: skip
 
 
 @pytest.mark.parametrize("line", LINES)
 def test_answers_of_every_kind_follow_the_schema(bundle, encoded, line):
     assert is_valid(as_json(feeling(bundle, "clockwise").ask(encoded, line)))
-
-
-def test_an_answer_withheld_for_want_of_contact_follows_the_schema(bundle, encoded):
-    answer = feeling(bundle, "left", contact_threshold=1.1).ask(encoded, "Which way?")
-    assert is_valid(as_json(answer))
+    withheld = feeling(bundle, "left", contact_threshold=1.1)
+    assert is_valid(as_json(withheld.ask(encoded, line)))
 
 
 @pytest.mark.parametrize(
@@ -51,14 +46,9 @@ def test_an_answer_withheld_for_want_of_contact_follows_the_schema(bundle, encod
     [
         {"direction": "leftish"},
         {"confidence": 1.5},
-        {"abstained": "no"},
-        {"told_by": "somebody"},
         {"frames_used": [0, 1]},
-        {"frame": {}},
         {"options": {"left": -0.1}},
         {"surplus": 1},
-        {"kind": "nonsense"},
-        {"notes": [3]},
         {"motion": {"turn": 3}},
     ],
 )
@@ -71,10 +61,3 @@ def test_the_schema_names_every_motion_kind_and_fact():
     assert SCHEMA["$defs"]["motion"]["enum"] == [motion.value for motion in Motion]
     assert set(SCHEMA["properties"]["kind"]["enum"]) == {*ASKS, "fact"}
     assert set(SCHEMA["$defs"]["frame"]["required"]) == set(FrameSpec().to_dict())
-
-
-def test_an_amount_is_a_deciding_word_with_its_unit(bundle):
-    answer = feeling(bundle, "clockwise", belief=believed("clockwise", deg=13.0))
-    answer = answer.ask(answer.encode(recording()), "How far?")
-    assert answer.decided == "13 deg"
-    assert is_valid(as_json(answer))

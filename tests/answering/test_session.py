@@ -17,10 +17,7 @@ def session(bundle):
     ("first", "then", "way"),
     [
         ("way turn", "mirror > again", Motion.COUNTERCLOCKWISE),
-        ("way turn", "backwards > again", Motion.COUNTERCLOCKWISE),
         ("mirror > way turn", "backwards > again", Motion.CLOCKWISE),
-        ("mirror > way turn", "again plain", Motion.CLOCKWISE),
-        ("mirror > way turn", "mirror > again", Motion.CLOCKWISE),
         ("way turn", "again sensor", Motion.COUNTERCLOCKWISE),
     ],
 )
@@ -64,18 +61,17 @@ def test_a_point_of_view_is_named_when_it_is_new(session):
     assert named("undo > way turn")
 
 
-def test_what_was_stated_holds_until_it_is_taken_back(session):
+def test_what_was_stated_and_understood_holds_there_until_it_is_taken_back(session):
     session.ask("The image is mirrored.")
     assert session.ask("way turn").direction is Motion.COUNTERCLOCKWISE
     session.ask("fact not mirrored")
     assert session.ask("way turn").direction is Motion.CLOCKWISE
     session.ask("fact thread left ; fact side head")
     assert session.ask("claim loosen").decided == "yes"
+    other = session.answerer.session(session.encoded)
+    assert (other.frame, other.history) == (FrameSpec(), [])
     session.ask("fact not everything")
     assert session.frame == FrameSpec()
-
-
-def test_a_fact_that_is_needed_and_not_understood_changes_nothing(session):
     session.ask("fact mirrored ; fact unclear thread ; claim tighten")
     assert session.frame == FrameSpec()
 
@@ -123,15 +119,6 @@ def test_the_history_holds_every_turn_as_plain_values(session):
     turns = session.to_dict()
     assert [turn["question"] for turn in turns] == [turn.question for turn in session.history]
     assert turns[0]["answer"]["direction"] == "clockwise"
-
-
-def test_two_sessions_share_nothing(bundle):
-    answerer = feeling(bundle, "left")
-    encoded = answerer.encode(recording())
-    one, other = answerer.session(encoded), answerer.session(encoded)
-    one.ask("The image is mirrored.")
-    assert other.frame == FrameSpec()
-    assert other.history == []
 
 
 def test_what_is_told_of_the_clip_before_rests_on_it(bundle):

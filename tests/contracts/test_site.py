@@ -16,6 +16,8 @@ FENCED = re.compile(r"^```.*?^```", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 README_LIMIT = 12_288
 
+pytestmark = pytest.mark.slow
+
 
 def build(folder):
     """Build a copy of the site; the tool's own cache and output stay in the copy."""
@@ -33,14 +35,12 @@ def copy(tmp_path):
     return tmp_path
 
 
-@pytest.mark.slow
 def test_the_site_builds_without_a_warning(copy):
     done = build(copy)
     assert done.returncode == 0, done.stdout + done.stderr
     assert (copy / "build/site/index.html").exists()
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("link", ["[page](nowhere.md)", "[part](asking.md#nowhere)"])
 def test_a_broken_link_fails_the_build(copy, link):
     page = copy / "docs/index.md"
@@ -51,7 +51,6 @@ def test_a_broken_link_fails_the_build(copy, link):
 # The build passes over pictures, files that are no pages, and pages that the menu names wrongly.
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_whatever_a_page_shows_or_links_is_there(page):
     text = FENCED.sub("", page.read_text())
@@ -63,7 +62,6 @@ def test_whatever_a_page_shows_or_links_is_there(page):
     assert missing == []
 
 
-@pytest.mark.slow
 def test_the_menu_names_every_page_once():
     def files(entries):
         for entry in entries:
@@ -75,6 +73,5 @@ def test_the_menu_names_every_page_once():
     assert sorted(named) == sorted(pages)
 
 
-@pytest.mark.slow
 def test_the_readme_is_short():
     assert len((ROOT / "README.md").read_bytes()) <= README_LIMIT

@@ -6,7 +6,6 @@ import sys
 import zipfile
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -76,16 +75,6 @@ def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_p
         "The wordings that training reads are part of the repository, not of the installed "
         "package; run this from a checkout.",
     )
-
-
-@pytest.mark.slow
-@CHECKOUT
-def test_the_installed_command_describes_a_clip_in_an_empty_folder(installed, tmp_path):
-    frames = np.random.default_rng(0).integers(0, 255, (6, 48, 64, 3)).astype(np.uint8)
-    np.save(tmp_path / "clip.npy", frames)
-    done = run_in_empty_folder(installed, tmp_path, "-m", "geotlm_lm", "info", "--clip", "clip.npy")
-    assert done.returncode == 0, done.stderr
-    assert "frames: 6" in done.stdout.splitlines()
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import pytest
 from sklearn.feature_extraction.text import TfidfVectorizer
 from sklearn.linear_model import LogisticRegression
 
-from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass, MotionLabel
+from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
 from geotlm_lm.data.distractors import draw_option_set
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.questions import questions_for, with_typo
@@ -64,10 +64,14 @@ def test_question_text_alone_predicts_no_answer(asked, type_id):
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
-def test_the_text_of_a_choice_alone_predicts_no_letter(asked, count):
+def test_the_true_letter_is_uniform_and_the_text_of_a_choice_alone_predicts_none(asked, count):
     # With fewer options fewer letters are possible, and that is no leak.
     of_type = [q for q in asked if q.type_id == "T3" and len(q.options) == count]
-    assert_at_chance([q.question for q in of_type], [q.slots.letter for q in of_type])
+    letters = [q.slots.letter for q in of_type]
+    assert_at_chance([q.question for q in of_type], letters)
+    shares = np.array(list(Counter(letters).values())) / len(letters)
+    assert len(shares) == count
+    assert np.abs(shares - 1 / count).max() < 4 * np.sqrt(1 / count / len(letters))
 
 
 @pytest.mark.parametrize("type_id", sorted(set(load_templates().types) - NAMES_MOTIONS))
@@ -102,14 +106,6 @@ def test_a_claim_is_true_half_of_the_time_whatever_it_claims(asked, type_id, of_
     assert len(by_claim) == len(Motion)
     for verdicts in by_claim.values():
         assert abs(np.mean(verdicts) - 0.5) < 4 * 0.5 / np.sqrt(len(verdicts))
-
-
-@pytest.mark.parametrize("count", [2, 3, 4])
-def test_the_true_letter_is_uniform(asked, count):
-    letters = [q.slots.letter for q in asked if q.type_id == "T3" and len(q.options) == count]
-    shares = np.array(list(Counter(letters).values())) / len(letters)
-    assert len(shares) == count
-    assert np.abs(shares - 1 / count).max() < 4 * np.sqrt(1 / count / len(letters))
 
 
 @pytest.mark.parametrize("count", [2, 3, 4])
@@ -156,9 +152,8 @@ def test_class_contact_and_movement_follow_the_label(motion, kind, touches, move
     assert found["T16"].verdict == moves
 
 
-@pytest.mark.parametrize("type_id", ["T4", "T18"])
-def test_no_claim_is_denied_twice(asked, type_id):
-    texts = [q.question.lower() for q in asked if q.type_id == type_id]
+def test_no_claim_is_denied_twice(asked):
+    texts = [q.question.lower() for q in asked if q.type_id in ("T4", "T18")]
     assert not [text for text in texts if re.search(r"\bnot (touching|not)\b", text)]
 
 
@@ -211,16 +206,6 @@ def test_the_evidence_is_where_the_halves_go(motion, evidence):
     assert asked.answer.startswith(evidence)
 
 
-@pytest.mark.parametrize("motion", Motion)
-def test_the_evidence_goes_from_the_halves_over_what_adds_up_to_the_conclusion(motion):
-    (asked,) = questions_for(MotionLabel(motion), np.random.default_rng(0), types=["T10"])
-    halves, sums, conclusion = asked.answer.split(". ")
-    assert "hal" in halves
-    assert "adds up" in sums
-    assert conclusion.startswith("So ")
-    assert (", in the camera image." in conclusion) == (motion in DIRECTED)
-
-
 @pytest.mark.parametrize("type_id", ["T11", "T12", "T13", "T14", "T15", "T21"])
 def test_questions_of_the_frame_are_answered_with_the_motion_in_the_camera_image(type_id):
     (asked,) = questions_for(MotionLabel(Motion.LEFT), np.random.default_rng(0), types=[type_id])
@@ -241,10 +226,8 @@ def test_held_out_wordings_never_appear_among_seen_ones(asked):
 
 def test_questions_are_typed_in_more_than_one_way(asked):
     texts = [question.question for question in asked]
-    lower = np.mean([text == text.lower() for text in texts])
-    unmarked = np.mean([text[-1] not in "?." for text in texts])
-    assert 0.25 < lower < 0.6
-    assert 0.15 < unmarked < 0.6
+    assert 0.25 < np.mean([text == text.lower() for text in texts]) < 0.6
+    assert 0.15 < np.mean([text[-1] not in "?." for text in texts]) < 0.6
 
 
 def test_a_typo_changes_one_longer_word_between_its_first_and_last_letter():
@@ -257,7 +240,5 @@ def test_a_typo_changes_one_longer_word_between_its_first_and_last_letter():
         assert abs(len(was) - len(now)) <= 1
         changed.add(was)
     assert changed == {"battery", "moving"}
-
-
-def test_words_too_short_to_be_mistyped_unambiguously_stay():
-    assert with_typo("is it cw or left?", np.random.default_rng(0)) == "is it cw or left?"
+    too_short = "is it cw or left?"
+    assert with_typo(too_short, np.random.default_rng(0)) == too_short

@@ -8,7 +8,7 @@ import pytest
 from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
-from geotlm_lm.data.templates import FORMS, UnreadableTemplate, load_templates
+from geotlm_lm.data.templates import UnreadableTemplate, load_templates
 from geotlm_lm.language.tokenizer import clean_question
 
 TEMPLATES = load_templates()
@@ -28,28 +28,16 @@ def edit(path, old, new):
     path.write_text(text.replace(old, new, 1))
 
 
-@pytest.mark.parametrize("type_id", TEMPLATES.types)
-def test_a_quarter_of_the_wordings_is_held_out(type_id):
-    kind = TEMPLATES.types[type_id]
-    assert len(kind.wordings) >= (28 if type_id == "T1" else 16)
-    assert len(kind.among("held_out")) == round(len(kind.wordings) / 4)
-
-
 def test_no_wording_stands_twice():
     texts = [w.text.lower() for kind in TEMPLATES.types.values() for w in kind.wordings]
     assert len(texts) == len(set(texts))
 
 
 @pytest.mark.parametrize(("text", "slots"), ANSWERS)
-def test_every_answer_parses_back_to_its_slots(text, slots):
-    grammar = TEMPLATES.grammar()
+def test_every_answer_parses_back_to_its_slots_and_no_corruption_of_one_word_does(text, slots):
+    grammar, words = TEMPLATES.grammar(), text.split()
     assert grammar.parse(text) == slots
     assert grammar.sentence(slots) == text
-
-
-@pytest.mark.parametrize(("text", "slots"), ANSWERS)
-def test_no_corruption_of_one_word_keeps_its_slots(text, slots):
-    grammar, words = TEMPLATES.grammar(), text.split()
     lexicon = {word for answer, _ in ANSWERS for word in answer.split()} | {"banana", ""}
     corrupted = [
         " ".join([*words[:i], other, *words[i + 1 :]])
@@ -95,12 +83,6 @@ def test_held_out_wordings_use_no_word_unknown_to_seen_ones_but_the_held_out_nou
     assert words("held_out", 60) - words("seen", 150) <= nouns
 
 
-def test_every_motion_has_every_form():
-    assert {(m, f) for m in Motion for f in FORMS if TEMPLATES.phrases[m][f]} == {
-        (m, f) for m in Motion for f in FORMS
-    }
-
-
 @pytest.mark.parametrize(
     ("name", "old", "new", "message"),
     [
@@ -108,12 +90,7 @@ def test_every_motion_has_every_form():
         ("t06_contact.toml", 'kind = "contact"', 'kind = "touch"', "kind is 'touch', expected one"),
         ("t06_contact.toml", ", held_out = true", "", "expected a quarter"),
         ("t06_contact.toml", 'title = "Contact"', "", "['title'] are missing"),
-        (
-            "t06_contact.toml",
-            "verdict = false",
-            "verdict = true",
-            "repeats a sentence or its slots",
-        ),
+        ("t06_contact.toml", "verdict = false", "verdict = true", "repeats a sentence or its"),
         ("t06_contact.toml", "verdict = false", "certainty = 1", "no text or a wrong slot"),
         ("t16_moving.toml", "there is no contact.", "nothing is touching the gel.", "two types"),
         ("t05_class.toml", 'id = "T5"', 'id = "T6"', "repeats the id T6"),

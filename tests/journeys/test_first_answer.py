@@ -9,7 +9,6 @@ import geotlm_lm
 from geotlm_lm.cli.main import main
 
 BUNDLE = Path(geotlm_lm.__file__).parent / "bundle"
-needs_bundle = pytest.mark.skipif(not BUNDLE.is_dir(), reason="needs the trained bundle")
 
 
 def run(capsys, *arguments):
@@ -19,21 +18,13 @@ def run(capsys, *arguments):
     return capsys.readouterr().out
 
 
-@pytest.fixture
-def clip(tmp_path, capsys):
-    path = tmp_path / "clip.npz"
-    run(capsys, "simulate", "--clip", path, "--motion", "left", "--object", "key")
-    return path
-
-
-def test_a_simulated_clip_is_described_as_touched(clip, capsys):
+def test_a_simulated_clip_is_described_and_asked_about(tmp_path, capsys):
+    clip = tmp_path / "clip.npz"
+    run(capsys, "simulate", "--clip", clip, "--motion", "left", "--object", "key")
     facts = json.loads(run(capsys, "info", "--clip", clip, "--json"))
-    assert facts["contact"] == "likely"
-    assert facts["touched_frames"] == [0, 3]
-
-
-@needs_bundle
-def test_the_shipped_model_answers_with_a_direction_a_probability_and_a_frame(clip, capsys):
+    assert (facts["contact"], facts["touched_frames"]) == ("likely", [0, 3])
+    if not BUNDLE.is_dir():
+        pytest.skip("needs the trained bundle")
     question = ["--q", "Which way is it moving?", "--json"]
     answer = json.loads(run(capsys, "answer", "--clip", clip, *question).splitlines()[-1])
     assert answer["direction"] == "left"

@@ -17,11 +17,7 @@ from geotlm_lm.core import edit
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit, opposite
 from geotlm_lm.core.geometry import FLOW_SCALE_PX, PATCH_SIDE
-from geotlm_lm.core.labels import (
-    DIRECTED,
-    ROTATIONS,
-    Motion,
-)
+from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.data.labelled_recordings import find_labelled_recordings
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS

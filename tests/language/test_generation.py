@@ -1,6 +1,4 @@
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -8,7 +6,7 @@ import torch
 
 from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.language.generation import Speaker
-from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS, PromptEncoder
+from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 from geotlm_lm.language.slots import SLOTS
 
 QUESTIONS = [
@@ -33,28 +31,6 @@ def likeliest_ids(speaker, fused_token, question):
 def test_generation_takes_the_likeliest_token_each_time(speaker, fused_tokens):
     expected = speaker.prompts.decode(likeliest_ids(speaker, fused_tokens[0], QUESTIONS[0]))
     assert speaker.generate(fused_tokens[:1], QUESTIONS[:1]) == [expected]
-
-
-class Spelt(PromptEncoder):
-    """Takes an answer for the numbers of its tokens: fresh weights write no words in ours."""
-
-    def answer(self, text):
-        return [int(number) for number in text.split()]
-
-
-def test_it_would_write_the_likeliest_tokens_and_no_others(speaker, fused_tokens):
-    prompts = speaker.prompts
-    spelt = Spelt(
-        prompts.tokenizer, prompts.chat_template, prompts.tactile_tokens, prompts.max_tokens
-    )
-    numbers = Speaker(speaker.model, spelt)
-    for token, question in zip(fused_tokens, QUESTIONS, strict=False):
-        ids = likeliest_ids(speaker, token, question)
-        assert numbers.would_write(token, question, " ".join(map(str, ids)))
-        for place in (0, len(ids) // 2, -1):
-            others = list(ids)
-            others[place] = (ids[place] + 1) % speaker.model.vocabulary
-            assert not numbers.would_write(token, question, " ".join(map(str, others)))
 
 
 def test_a_score_is_the_log_likelihood_of_the_whole_answer(speaker, fused_tokens):
@@ -126,17 +102,6 @@ def test_a_processor_of_another_model_is_refused_in_one_sentence(speaker, tmp_pa
         Speaker.load(tmp_path)
 
 
-@pytest.mark.slow
-def test_answering_needs_no_transformers(speaker, tmp_path):
-    speaker.save(tmp_path)
-    script = (
-        "import sys, torch; from geotlm_lm.language.generation import Speaker; "
-        f"s = Speaker.load({str(tmp_path)!r}); s.generate(torch.zeros(1, 24), ['which way?']); "
-        "sys.exit('transformers' in sys.modules)"
-    )
-    assert subprocess.run([sys.executable, "-c", script]).returncode == 0
-
-
 @pytest.mark.parametrize(
     ("token", "said"),
     [
@@ -165,12 +130,8 @@ def in_config(**changes):
 DAMAGE = {
     "a list for a config": ("config.json", lambda _: "[]", "written in language-model format None"),
     "no heads": ("config.json", in_config(num_attention_heads=0), "makes no 0 heads"),
-    "heads that do not fit": ("config.json", in_config(num_attention_heads=3), "makes no 3 heads"),
-    "a text for a width": ("config.json", in_config(hidden_size="32"), "do not belong together"),
     "no sizes": ("config.json", lambda _: '{"format": 1, "text_config": []}', "do not belong"),
     "no JSON": ("tokenizer.json", lambda _: "not json", "is missing or broken"),
-    "no tokenizer": ("tokenizer.json", lambda _: "{}", "is missing or broken"),
-    "a list of settings": ("processor_config.json", lambda _: "[]", "is missing or broken"),
     "a broken template": ("chat_template.jinja", lambda _: "{% if %}", "is missing or broken"),
     "a failing template": ("chat_template.jinja", lambda _: "{{ 1 / 0 }}", "division by zero"),
     "no clip": ("chat_template.jinja", lambda _: "which way?", "does not lay out one <tactile>"),
@@ -187,8 +148,5 @@ def test_a_damaged_folder_is_refused_in_one_sentence(speaker, tmp_path, case):
     assert str(caught.value).startswith(f"{tmp_path}: ")
     assert said in str(caught.value)
     assert "download the model again" in str(caught.value)
-
-
-def test_a_missing_folder_says_what_to_do(tmp_path):
     with pytest.raises(IncompatibleBundle, match="save or download the model again"):
         Speaker.load(tmp_path / "absent")

@@ -7,7 +7,7 @@ from geotlm_lm.language.prompt import MAX_ANSWER_TOKENS
 
 
 def test_a_prompt_is_the_prefix_the_question_and_the_turn_of_the_assistant(speaker):
-    ids = speaker.prompts.prompt("Which way?")
+    ids = speaker.prompts.prompt("  Which\n WAY? ")
     words = [speaker.prompts.tokenizer.id_to_token(i) for i in ids]
     assert words[:4] == ["<tactile>"] * 3 + ["<user>"]
     assert words[-1] == "<assistant>"
@@ -18,15 +18,6 @@ def test_an_answer_ends_and_reads_back(speaker):
     ids = speaker.prompts.answer("Left, in the camera image.")
     assert ids[-1] == speaker.prompts.eos_id
     assert speaker.prompts.decode([*ids, 77, 78]) == "Left, in the camera image."
-
-
-@pytest.mark.parametrize("question", ["", "  \n"])
-def test_an_empty_question_is_refused_with_an_example(speaker, question):
-    with pytest.raises(UsageError) as caught:
-        speaker.prompts.prompt(question)
-    assert str(caught.value) == (
-        "The question is empty; ask something like 'Which way is it turning?'."
-    )
 
 
 def test_a_question_that_leaves_no_room_for_an_answer_is_refused(speaker):

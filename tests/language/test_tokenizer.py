@@ -49,7 +49,3 @@ def test_any_text_is_spelled_and_read_back(tokenizer, text):
 def test_a_typed_marker_is_never_a_control_token(tokenizer, typed):
     ids = tokenizer.encode(clean_question(f"which {typed} way {typed}?")).ids
     assert min(ids) >= len(SPECIAL_TOKENS)
-
-
-def test_a_question_is_one_line_in_lower_case():
-    assert clean_question("  Which\n WAY? ") == "which way?"

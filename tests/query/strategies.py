@@ -7,12 +7,12 @@ from hypothesis import strategies as st
 
 from geotlm_lm.core.edit import EDIT_WORDS, Edit
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.text import next_words, read
 from geotlm_lm.query.words import END
-from geotlm_lm.track.events import Event, EventKind, Span
 from geotlm_lm.track.track import Track
+from tests.track.tracks import happened, moving_track
 
 edits = st.lists(st.sampled_from(EDIT_WORDS), max_size=5).map(lambda words: Edit.of(*words))
 MOTIONS = tuple(Motion)
@@ -56,24 +56,14 @@ def turning(turns: list[float], sure: float = 0.99) -> Track:
     frames = 25 * (len(turns) + 2) + 1
     twists, contact = np.zeros((frames, 4)), np.full(frames, sure)
     contact[-25:] = 1 - sure
-    events = [_event(EventKind.TOUCH, 0, 0, sure), _event(EventKind.STICK, 0, 25, sure)]
+    events = [happened("touch", 0, 0, sure=sure), happened("stick", 0, 25, sure=sure)]
     for place, turn in enumerate(turns):
         begin = 25 * (place + 1)
         twists[begin + 1 : begin + 26, 0] = turn / 25
-        events.append(_event(EventKind.TURN, begin, begin + 25, sure, turn=turn))
+        events.append(happened("turn", begin, begin + 25, turn=turn, sure=sure))
     last = frames - 26
-    events.append(_event(EventKind.RELEASE, last, last, sure, inward=-0.3))
-    doubts = np.full((frames, 4, 4), 1e-4) * np.eye(4)
-    return Track(
-        np.arange(frames), np.arange(frames) / 25, contact, 9 * contact, twists, doubts,
-        30 * contact, tuple(events), (240, 320),
-    )  # fmt: skip
-
-
-def _event(kind, begin, end, sure, *, turn=0.0, inward=0.0) -> Event:
-    component = Component.TURN if turn else Component.PRESS if inward else None
-    span, twist = Span(turn or inward, 0.1), Twist(turn, 0, 0, inward)
-    return Event(kind, begin, end, begin / 25, end / 25, twist, span, sure, component)
+    events.append(happened("release", last, last, inward=-0.3, sure=sure))
+    return moving_track(twists, events, contact=contact, frame_size=(240, 320))
 
 
 tracks = st.builds(

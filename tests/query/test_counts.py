@@ -38,38 +38,21 @@ def bounded(kind, atom, relation, number, unit="", *, track, edit=None, denied=F
 
 
 @pytest.mark.parametrize(
-    ("text", "question", "verdict", "count"),
+    ("text", "question", "verdict", "time"),
     [
         ("claim reverses > #1", "more than 4 times?", False, 3),
-        ("claim reverses > #1", "more than 2 times?", True, 3),
         ("claim reverses ~ #1", "3 times?", True, 3),
-        ("claim reverses ~ #1", "4 times?", False, 3),
         ("claim not reverses < #1", "at least 3 times?", True, 3),
-        ("claim not reverses > #1", "at most 2 times?", False, 3),
         ("claim reverses in-range #1 #2", "2 to 3 times?", True, 3),
         ("claim made ~ #1", "touched 1 time?", True, 1),
-        ("claim lost < #1", "let go less than 2 times?", True, 1),
         ("claim starts > #1", "started more than 4 times?", True, 5),
-        ("claim stops > #1", "stopped more than 5 times?", False, 5),
         ("claim touch > #1", "touched more than 1 time?", False, 1),
         ("in-first-half > claim reverses > #1", "more than 2 times?", False, 2),
         ("backwards > claim reverses ~ #1", "3 times?", True, 3),
-    ],
-)
-def test_a_number_alone_is_how_often_something_happens(text, question, verdict, count):
-    found = asked(text, question)
-    assert (found.verdict, found.times) == (verdict, (count,))
-
-
-@pytest.mark.parametrize(
-    ("text", "question", "verdict", "seconds"),
-    [
         ("claim touch > #1", "for more than 2 s?", True, 6),
         ("claim touch > #1", "for more than 0.2 minutes?", False, 6),
         ("claim touch > #1", "for more than 140 frames?", True, 6),
-        ("claim touch > #1", "for more than 160 frames?", False, 6),
         ("claim none < #1", "for less than 1500 ms?", True, 1),
-        ("claim still > #1", "for more than 2 seconds?", False, 1),
         ("claim move in-range #1 #2", "between 4 and 6 s?", True, 5),
         ("claim turn ~ #1", "for about 5 s?", True, 5),
         ("claim slide > #1", "for more than 1 s?", False, 0),
@@ -77,23 +60,26 @@ def test_a_number_alone_is_how_often_something_happens(text, question, verdict, 
         ("claim not turn > #1", "at most 4 s?", False, 5),
     ],
 )
-def test_a_number_of_time_is_how_long_it_is_so(text, question, verdict, seconds):
+def test_a_number_alone_is_how_often_it_happens_and_one_of_time_how_long(
+    text, question, verdict, time
+):
     found = asked(text, question)
-    assert (found.verdict, found.times) == (verdict, (pytest.approx(seconds, abs=0.05),))
+    assert (found.verdict, found.times) == (verdict, (pytest.approx(time, abs=0.05),))
 
 
 @pytest.mark.parametrize(
     ("question", "count"),
-    [("by more than 20 degrees?", 2), ("by less than 20 degrees?", 1), ("faster than 1 rpm?", 3)],
+    [
+        ("by more than 20 degrees?", 2),
+        ("by more than 50 degrees?", 0),
+        ("by less than 20 degrees?", 1),
+        ("faster than 1 rpm?", 3),
+    ],
 )
 def test_only_reversals_that_go_so_far_are_counted(question, count):
     sign = "<" if "less" in question else ">"
     assert asked(f"how-often reverses {sign} #1", question).times == (count,)
     assert asked(f"claim reverses {sign} #1", question).verdict is (count > 0)
-
-
-def test_a_reversal_by_more_than_any_is_none():
-    assert asked("claim reverses > #1", "by more than 50 degrees?").verdict is False
     assert asked("when reverses > #1 begin", "more than 20 degrees?").times == (3.0,)
 
 
@@ -101,12 +87,10 @@ def test_a_reversal_by_more_than_any_is_none():
     ("text", "question", "recording", "track", "missing"),
     [
         ("claim reverses > #1", "4 times?", RECORDING, None, "track"),
-        ("claim made > #1", "4 times?", RECORDING, None, "track"),
         ("claim touch > #1", "2 s?", RECORDING, None, "track"),
         ("claim touch > #1", "2 s?", UNTIMED, BACK_AND_FORTH, "rate"),
         ("claim speeds > #1", "2 times?", RECORDING, BACK_AND_FORTH, "speeds"),
         ("claim made > #1", "20 degrees?", RECORDING, BACK_AND_FORTH, "unit"),
-        ("claim starts > #1", "2 s?", RECORDING, BACK_AND_FORTH, "unit"),
         ("how-often touch > #1", "20 degrees?", RECORDING, BACK_AND_FORTH, "unit"),
     ],
 )
@@ -133,12 +117,6 @@ def test_frames_are_counted_without_a_rate():
          "the camera image."),
         ("claim not lost < #1", "at least 1 time?",
          "Yes, that is so: it is let go 1 time; it lifts off at 3.0 s."),
-        ("claim turn > #1", "2 s?",
-         "No: it turns for 1.0 s; it turns clockwise, about 20 degrees, from 1.0 s to 2.0 s, in "
-         "the camera image."),
-        ("claim press > #1", "2 s?", "No: it does not press in."),
-        ("claim starts > #1 and touch > #2", "more than 1 time and 2 s",
-         "Yes: it starts to move 2 times and it is touched for 3.0 s."),
         ("claim touch > #1 and slide", "2 s",
          "Yes: it is touched for 3.0 s; it slides left, about 43 px, from 2.0 s to 3.0 s, in the "
          "camera image."),

@@ -55,7 +55,4 @@ def test_what_is_meant_is_never_left_out():
 def test_pixels_that_equal_a_length_are_one_scale(text, mm_each):
     (found,) = quantities(f"My calibration says {text}.")
     assert mm_per_px(found) == pytest.approx(mm_each)
-
-
-def test_the_size_of_one_pixel_is_a_length():
     assert [one.unit for one in quantities("one pixel is 0.06 mm")] == ["px", "mm"]

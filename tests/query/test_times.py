@@ -17,15 +17,13 @@ from tests.query.test_execute import RECORDING, answer, certain, whole
     ("text", "question", "times"),
     [
         ("how-often turn > #1", "50 degrees", (0.0,)),
-        ("how-often turn > #1", "15 degrees", (1.0,)),
         ("how-often ccw > #1", "15 degrees", (0.0,)),
         ("how-often turn > #1", "15 degrees per second", (1.0,)),
-        ("how-often turn > #1", "25 degrees per second", (0.0,)),
         ("how-long move > #1", "15 degrees", (1.0,)),
         ("when turn > #1 begin", "50 degrees", ()),
-        ("when turn < #1 begin", "5 degrees", ()),
         ("when turn < #1 begin", "25 degrees", (1.0,)),
         ("when turn > #1 begin", "10 degrees per second", (1.0,)),
+        ("when turn > #1 begin", "10 degrees", (1.52,)),
         ("backwards > when turn > #1 begin", "10 degrees", (2.52,)),
         ("backwards > when cw > #1 begin", "10 degrees", ()),
     ],
@@ -52,14 +50,11 @@ def test_played_twice_backwards_is_as_recorded():
     ("text", "times", "told"),
     [
         ("how-long not touch", (1.04,), "For 1.0 s: it lifts off at 3.0 s."),
-        ("how-long not move", (2.0,), "For 2.0 s."),
         ("how-long touch and not move", (1.0,), "For 1.0 s."),
-        ("how-often not slide", (2.0,), "2 times."),
         ("how-often not touch", (1.0,), "1 time: it lifts off at 3.0 s."),
         ("when not touch begin", (3.0,), "At 3.0 s: it lifts off at 3.0 s."),
         ("when not move begin", (0.0, 1.0), "From 0.0 s to 1.0 s."),
         ("backwards > when not move begin", (0.0, 1.0), "From 0.0 s to 1.0 s."),
-        ("when not move end", (4.0,), "At 4.0 s."),
     ],
 )
 def test_a_denial_is_told_of_the_other_times(text, times, told):
