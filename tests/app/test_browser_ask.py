@@ -1,7 +1,5 @@
 """The page in a real browser: every tab is used as a person does, mistakes are made."""
 
-import time
-
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
@@ -26,15 +24,12 @@ def value_of(label):
     )
 
 
-@pytest.mark.parametrize("empty", [(1400, 1100), (390, 844)], indirect=True)
 def test_an_example_is_one_click_and_a_question_one_more(browser):
     browser.open_example("bead")
     browser.click("Which way is it moving?", ".chips button")
     browser.wait_for(f"{TEXT}.includes('% sure)')")
     browser.click("Evidence", "button")
     browser.wait_for(f"{TEXT}.includes('optical flow')")
-    wide = browser.run("document.documentElement.scrollWidth <= window.innerWidth + 1")
-    assert wide, "the page is wider than the window"
     browser.open_example("cable")
     browser.wait_for(f"!{TEXT}.includes('% sure)') && !{TEXT}.includes('no direction is claimed')")
 
@@ -116,10 +111,6 @@ def test_the_size_of_a_pixel_is_given_said_and_shown(browser, recordings):
     browser.wait_for(f"/It slides .* mm[,.]/.test({TEXT})")
     browser.ask("0.05 mm per pixel. Which way?")
     browser.wait_for(f"{size} == '0.05'")
-    browser.fill("Millimetres per pixel", "60")
-    browser.fill("Question", "Which way?")
-    refused = f"{TEXT}.includes('A pixel of 60 mm was given, expected')"
-    browser.click_until("Ask", refused, "button.primary")
     browser.upload("Recording", recordings["bright"])  # its frames are of another size
     browser.wait_for(f"{size} == '0'")
 
@@ -189,20 +180,3 @@ def test_a_recording_is_watched(browser, touch_path):
     browser.click("Stop and clear")
     browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('idle gel learnt')")
     browser.wait_for(f"!{CHAT}.innerText.includes('neither turns nor slides')")
-
-
-def test_a_recording_that_is_watched_no_longer_leaves_the_stage_empty(
-    browser, page, long_recording
-):
-    browser.click("Live", "button[role=tab]")
-    browser.upload("Recording", long_recording)
-    browser.wait_for(f"{TEXT}.includes('long')")
-    browser.click_until("Watch", f"{TOLD}.includes('release')", "button.primary")
-    browser.click("Stop and clear")
-    browser.wait_for(NOTHING_SHOWN)
-    until = time.monotonic() + 60
-    while any(page._queue.active_jobs):  # what was on its way comes before its end
-        assert time.monotonic() < until
-        time.sleep(0.05)
-    assert browser.run(NOTHING_SHOWN)
-    assert "idle gel learnt" not in browser.run(TEXT)
