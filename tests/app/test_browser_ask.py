@@ -4,17 +4,13 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+from tests.app.browser import CHAT, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
 TOLD = f"({STAGE}.querySelector('.stage-time').getAttribute('aria-label') || '')"
 CHECKED = "[...document.querySelectorAll('input[type=checkbox]:checked')].map(box => box.name)"
 NONE_OPEN = f"{TEXT}.includes('No recording is open; upload a clip first.')"
-
-
-def shown(name):
-    return f"{SHOWN} && {NAME}.innerText == {name!r}"
 
 
 def value_of(label):
@@ -36,16 +32,14 @@ def test_an_example_is_one_click_and_a_question_one_more(browser):
 
 def test_a_recording_that_fails_closes_the_one_before(browser, recordings, tmp_path):
     (tmp_path / "broken.npy").write_bytes(b"no recording")
-    browser.upload("Recording", recordings["dark"])
-    browser.wait_for(shown("dark.npy"))
+    browser.open_recording(recordings["dark"])
     browser.ask("Which way?")
     browser.wait_for(f"{TEXT}.includes('slides left, ')")
     browser.upload("Recording", tmp_path / "broken.npy")
     browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('slides left, ')")
     browser.fill("Question", "Which way?")
     browser.click_until("Ask", NONE_OPEN, "button.primary")
-    browser.upload("Recording", recordings["bright"])  # beside the one that failed
-    browser.wait_for(shown("bright.npy"))
+    browser.open_recording(recordings["bright"])  # beside the one that failed
     browser.wait_for(f"{TEXT}.includes('bright') && !{TEXT}.includes('dark')")
     assert not {word for word in ("tmp", "Traceback") if word in browser.run(TEXT)}
     browser.run("document.querySelector('button[aria-label=\"Clear\"]').click()")
@@ -81,8 +75,7 @@ def test_a_conversation_that_is_cleared_is_forgotten(browser):
 
 
 def test_a_recording_is_uploaded_and_asked_about_by_keyboard_alone(browser, recordings):
-    browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'")
+    browser.open_recording(recordings["dark"])
     browser.fill("Question", "Which way does it go?")
     browser.run(
         "[...document.querySelectorAll('label')].find(e => e.offsetParent && "
@@ -116,8 +109,7 @@ def test_the_size_of_a_pixel_is_given_said_and_shown(browser, recordings):
 
 
 def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, recordings):
-    browser.upload("Recording", recordings["dark"])
-    browser.wait_for(shown("dark.npy"))
+    browser.open_recording(recordings["dark"])
     browser.open_example("cable")
     browser.wait_for(f"!{TEXT}.includes('dark')")
     browser.click("Frames and notes")
@@ -126,8 +118,7 @@ def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, r
     browser.click_until("Read again with these", f"{refused} && {NOTHING_SHOWN}", fields=span)
     read = f"{TEXT}.includes('Frames 0, 1, 2, 3 are shown.')"
     browser.click_until("Read again with these", read, fields=span | {"Last frame": "3"})
-    browser.upload("Recording", recordings["bright"])
-    browser.wait_for(shown("bright.npy"))
+    browser.open_recording(recordings["bright"])
     browser.wait_for(f"{value_of('First frame')} == '' && {value_of('Last frame')} == ''")
 
 

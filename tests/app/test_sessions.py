@@ -130,6 +130,7 @@ def test_the_folder_is_told_to_the_toolkit_and_gone_in_the_end(tmp_path, monkeyp
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_live_servers_folder_is_left_alone_and_a_dead_ones_removed(server, tmp_path):
     process, theirs = server
     with own_cache_folder(tmp_path) as ours:

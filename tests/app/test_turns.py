@@ -207,6 +207,7 @@ def test_a_model_that_cannot_be_loaded_says_so_every_time():
     assert len(tries) == 2
 
 
+@pytest.mark.slow
 def test_the_page_is_built_without_the_models_libraries():
     pytest.importorskip("gradio", reason="building the page needs gradio (extra: app)")
     code = (
