@@ -30,12 +30,7 @@ VARIABLE = "GRADIO_TEMP_DIR"
 """Where the toolkit reads its folder from, as long as it serves."""
 
 
-def serve(
-    port: int | None = None,
-    *,
-    mcp: bool = False,
-    recordings: Path | None = None,
-) -> None:
+def serve(port: int | None = None, *, mcp: bool = False, recordings: Path | None = None) -> None:
     """Build the page and serve it until stopped; the model is loaded as soon as the page stands.
 
     Args:

@@ -134,11 +134,7 @@ def span_of(first: float | str | None, last: float | str | None) -> tuple[int, i
 
 
 def read_named(path: str | list[str], topic: str | None = None) -> Any:
-    """Return the recording in one file, or in several images, named as its owner knows it.
-
-    Raises:
-        GeoTLMError: If it cannot be read, or others' recordings take the memory.
-    """
+    """Return the recording in one file, or in several images, named as its owner knows it."""
     paths = [path] if isinstance(path, str) else list(path)
     if len(paths) == 1:
         path = Path(paths[0])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, Motion
 
 from .guards import QUESTION_CHARACTERS
-from .toolkit import COMPLAINT, MODEL, PRIVATE, Filled, complaint, filling, gradio, html
+from .toolkit import COMPLAINT, PRIVATE, Filled, complaint, filling, gradio, html, model_at
 
 if TYPE_CHECKING:
     from .clips import LoadedClip
@@ -146,19 +146,15 @@ def frame_of_reference() -> dict[str, Any]:
 def connect(
     parts: dict[str, Any], talking: Any, context: Sequence[str], answered: Sequence[str]
 ) -> None:
-    """Connect the conversation, and the facts beside it.
+    """Connect the conversation, which is about the parts of `context`, and the facts beside it.
 
-    Args:
-        parts: The tab's, by name.
-        talking: Answers: `ask` takes question, conversation and context, `again` the last two,
-            `forget` the context alone; each yields what the parts show.
-        context: Names of the parts that questions are about.
-        answered: Names of the parts that an answer fills.
+    `talking.ask` takes question, conversation and context, `again` the last two, `forget` the
+    context alone; each yields what the parts show.
     """
     gr = gradio()
     asked = [parts[name] for name in ("question", "chat", *context)]
     outputs = [parts[name] for name in answered]
-    options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
+    options = model_at(parts["chips"])
     asking, again = filling(parts, talking.ask), filling(parts, talking.again)
     running = [
         trigger(asking, asked, outputs, **options)

@@ -77,14 +77,7 @@ NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
 
 
 class LiveStream:
-    """Follows the frames of one camera or recording.
-
-    Args:
-        answerer: The model.
-        name: As the page calls it.
-        shape: Of each frame.
-        is_camera: Whether it goes on for as long as it likes.
-    """
+    """Follows the frames of one camera or recording; a camera goes on for as long as it likes."""
 
     def __init__(
         self, answerer: Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
@@ -121,9 +114,7 @@ class LiveStream:
     def stage(self, frame: Image | None = None, mm_per_px: float | None = None) -> dict[str, Any]:
         """Return what the stage shows now, as plain JSON values; it keeps the pictures before.
 
-        Args:
-            frame: The last one that was fed; None adds no picture.
-            mm_per_px: Size of a pixel; None gives travel in pixels.
+        The frame is the last one that was fed; None adds no picture.
         """
         track, units = self._tracker.so_far, Units(self.shape[:2], mm_per_px)
         since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
@@ -156,11 +147,7 @@ class LiveStream:
         }
 
     def shown(self) -> LoadedClip:
-        """Return what was seen so far, ready for questions; the conversation goes on.
-
-        Raises:
-            GeoTLMError: If nothing was seen yet.
-        """
+        """Return what was seen so far, ready for questions; the conversation goes on."""
         track = self._tracker.so_far
         kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
         if len(kept) < LEAST_FRAMES:
@@ -206,21 +193,13 @@ class LiveStream:
 
 @dataclass
 class LiveSession:
-    """What one visitor watches.
+    """What one visitor watches."""
 
-    Args:
-        stream: That is watched; None before, and once everything was emptied.
-        camera_s: When the camera's last frame came, by the machine's clock.
-        began_s: When the first one of the stream came, likewise.
-        mm_per_px: Size of a pixel; None where it is not known.
-        shape: Of the frames that have pixels of this size.
-    """
-
-    stream: LiveStream | None = None
-    camera_s: float = float("-inf")
-    began_s: float = 0.0
+    stream: LiveStream | None = None  # also once everything was emptied
+    camera_s: float = float("-inf")  # when the camera's last frame came, by the machine's clock
+    began_s: float = 0.0  # when the first one of the stream came, likewise
     mm_per_px: float | None = None
-    shape: tuple[int, ...] = ()
+    shape: tuple[int, ...] = ()  # of the frames that have pixels of this size
 
     def begin(self, stream: LiveStream) -> Filled:
         """Watch another stream, and return what the parts show of it at first."""
@@ -232,11 +211,7 @@ class LiveSession:
 
 
 def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
-    """Yield what the parts show while a recording is watched to its end, or until another is.
-
-    Raises:
-        GeoTLMError: If there is no recording or it cannot be read.
-    """
+    """Yield what the parts show while a recording is watched to its end, or until another is."""
     if not path:
         raise GeoTLMError("No recording was given; upload one first.")
     live.stream = None
@@ -280,12 +255,7 @@ def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) ->
 
     Frames of another size are another camera: it is followed from its own beginning, as is one
     after everything was emptied. While a recording is watched only a camera that was just started
-    takes its place.
-
-    Args:
-        answerer: The model.
-        frame: uint8 RGB; None when the camera was stopped.
-        live: Of the visitor.
+    takes its place. The frame is None when the camera was stopped.
     """
     if frame is None:
         return {}
@@ -333,11 +303,7 @@ class LiveTalk:
         yield UNASKED | {"framed": in_frame(facts, None), "chips": chips}
 
     def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:
-        """Tell lengths by another size of a pixel.
-
-        Raises:
-            GeoTLMError: If no camera has pixels of that size.
-        """
+        """Tell lengths by another size of a pixel."""
         size = FrameSpec(mm_per_px=mm_per_px or None).mm_per_px
         if size == live.mm_per_px:
             return

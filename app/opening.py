@@ -54,20 +54,12 @@ MIMES = {"csv": "text/csv", "json": "application/json", "png": "image/png", "txt
 
 @dataclass(frozen=True)
 class Source:
-    """Where what is open comes from.
+    """Where what is open comes from."""
 
-    Args:
-        path: Of the recording, or of several images of it.
-        name: As the page calls it.
-        example: Its key, where it is an example.
-        span: First and last frame, where only a part was read.
-        topic: Of a bag's images, where it was named.
-    """
-
-    path: Any
+    path: Any  # of several images of it, a list
     name: str
-    example: str | None = None
-    span: tuple[int, int] | None = None
+    example: str | None = None  # its key, where it is one
+    span: tuple[int, int] | None = None  # first and last frame, where only a part was read
     topic: str | None = None
 
 
@@ -237,11 +229,7 @@ def offered(shown: LoadedClip | None, example: str | None) -> dict[str, Any]:
 
 
 def saved(kind: str, shown: LoadedClip | None, source: Source | None) -> dict[str, Any]:
-    """Return a file for the browser to save, or the end of a link.
-
-    Raises:
-        GeoTLMError: If nothing of this kind can be saved, or its package is missing.
-    """
+    """Return a file for the browser to save, or the end of a link."""
     offer = offered(shown, source.example if source else None)
     if shown is None or source is None or kind not in offer["kinds"]:
         raise GeoTLMError("There is nothing of this kind to save; open a recording and ask first.")

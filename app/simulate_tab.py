@@ -15,7 +15,7 @@ from .clips import LoadedClip, perceive
 from .toolkit import COMPLAINT, Filled, complaint, filling, gradio, literal, model_at
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer, Motion, Touch
+    from geotlm_lm import Answerer, Touch
 
 DIRECTION_QUESTION, AMOUNT_QUESTION = "Which way is it moving?", "How far did it go?"
 """Asked of what was just simulated."""
@@ -73,19 +73,14 @@ def build(answerer: Answerer) -> None:
         yield {
             "stage": stage.stage_of(made.shown, name.replace("_", " "), fields=[truth]),
             "sentence": f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
-            "facts": rows_of(made.facts),
+            "facts": [
+                [name, *(made.facts[kind][key] for kind in HEADERS[1:])]
+                for key, name in ROWS.items()
+            ],
         }
 
     shown = [parts[name] for name in ("stage", "sentence", "facts", COMPLAINT)]
     go.click(filling(parts, run), sliders, shown, **model_at(parts["sentence"]))
-
-
-def rows_of(facts: Mapping[str, Any]) -> list[list[Any]]:
-    """Return a row for each number: its name, the truth, what was read, and the error."""
-    return [
-        [name, *(facts[kind][key] for kind in ("true", "read", "error"))]
-        for key, name in ROWS.items()
-    ]
 
 
 def sentence_of(facts: Mapping[str, Any]) -> str:
@@ -162,6 +157,8 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
     true, read = (_numbers(twist) for twist in (made.twist, shown.encoded.belief.mean))
     components = made.components
+    # Those that it goes, or goes perhaps.
+    ways = (part.way for part in components.values() if part.counts is not False)
     facts = {
         "answer": answer.text,
         "how_far": how_far.text,
@@ -171,7 +168,7 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
         "true_ways": [part.way.value for part in components.values() if part.counts],
         "counts": {name.value: part.counts for name, part in components.items()},
         "is_visible": {name.value: part.is_visible for name, part in components.items()},
-        "is_right": _is_right(answer.direction, made),
+        "is_right": answer.direction in {made.label.motion, *ways},
         "true": _rounded(true),
         "read": _rounded(read),
         "error": _rounded({name: read[name] - true[name] for name in read}),
@@ -187,12 +184,6 @@ def _numbers(twist: Any) -> dict[str, float]:
         "slide_y_px": twist.down_px,
         "press_mm": twist.inward_mm,
     }
-
-
-def _is_right(direction: Motion | None, made: Any) -> bool:
-    """Tell whether a direction is one of those the touch goes, or goes perhaps."""
-    ways = {part.way for part in made.components.values() if part.counts is not False}
-    return direction == made.label.motion or direction in ways
 
 
 def _truth(made: Any, shown: LoadedClip) -> Seen:

@@ -72,13 +72,8 @@ def path_in(given: Any) -> Any:
 class Sources:
     """Finds a recording, whatever it was given as.
 
-    Args:
-        uploads: Folder that uploads are put in; it is made if missing.
-        served: Folder of recordings to list by name; None for none. A symbolic link to it is
-            followed, none inside it is.
-
-    Raises:
-        GeoTLMError: If the folder to serve is none.
+    The recordings in the folder that is served are listed by name; a symbolic link to it is
+    followed, none inside it is.
     """
 
     def __init__(self, uploads: str | Path, served: Path | None = None) -> None:

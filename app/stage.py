@@ -61,12 +61,9 @@ OPEN_ONE = "Open an example below, or drop a recording there: it plays here."
 
 
 def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
-    """Return the component.
+    """Return the component, which shows a value of `stage_of`, `opening` or `LiveStream.stage`.
 
-    Args:
-        value: What it shows first, as `stage_of`, `opening` or `LiveStream.stage` returns it; None
-            for nothing.
-        invites: What stands where the picture will be.
+    What invites stands where the picture will be.
     """
     names = ("stage.html", "draw.js", "timeline.js", "stage.js")
     template, *scripts = (Path(__file__).with_name(name).read_text("utf-8") for name in names)
@@ -80,11 +77,8 @@ def stage_of(
 ) -> dict[str, Any]:
     """Return what the stage shows of a clip that was perceived, as plain JSON values.
 
-    Args:
-        shown: The clip.
-        name: As it is called on the page.
-        frame: What is known of its frame of reference: the size of a pixel.
-        fields: Arrows to draw beside the learned ones, as of `field_of`.
+    Of the frame of reference it needs the size of a pixel; `fields` of `field_of` are drawn beside
+    the learned one.
     """
     encoded = shown.encoded
     mm_per_px = None if frame is None else frame.mm_per_px
@@ -107,14 +101,7 @@ def stage_of(
 
 
 def field_of(seen: Seen, key: str, label: str, colour: str) -> dict[str, Any]:
-    """Return arrows over the picture, with the length of the one in the legend.
-
-    Args:
-        seen: Whose field is drawn.
-        key: Name that the page knows them by.
-        label: What the legend says they are.
-        colour: Of CSS.
-    """
+    """Return arrows over the picture, with the length of the one in the legend."""
     scale, view = seen.scale, seen.view
     ends = arrow_ends(seen.shear_change, seen.mask, view, scale) if seen.has_contact else []
     known = np.array([[[scale.shown, 0.0]]], np.float32)
@@ -202,25 +189,22 @@ def _overlays(seen: Seen, when: str) -> dict[str, Any]:
     }
     if seen.depth_mm is not None:
         deepest = float(seen.depth_mm.max())
-        overlays["depth"] = [
-            _address(_png(draw_depth(depth, depth.shape, deepest)), "png")
-            for depth in seen.depth_mm
-        ]
+        drawn = (draw_depth(depth, depth.shape, deepest) for depth in seen.depth_mm)
+        overlays["depth"] = [_png_address(image) for image in drawn]
         overlays["deepest_mm"] = round(deepest, 2)
     return overlays
 
 
-def _png(image: NDArray[np.uint8]) -> bytes:
-    return cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
+def _png_address(image: NDArray[np.uint8]) -> str:
+    png = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
+    return _address(png, "png")
 
 
 def timeline_of(drawing: Drawing, unit: str, since_s: float = -np.inf) -> dict[str, Any]:
     """Return the curves of a track with the spans that hold nine tenths, and its events.
 
-    Args:
-        drawing: Of the track.
-        unit: Of the axis: "s", or "frame" where the times are not known.
-        since_s: From when on; the way is that since the track's own begin all the same.
+    The axis is in "s", or "frame" where the times are not known. The way is that since the track's
+    own begin, whatever `since_s`.
     """
     places = np.flatnonzero(drawing.times_s >= since_s)
     if len(places) > MOST_POINTS:
@@ -244,12 +228,7 @@ def timeline_of(drawing: Drawing, unit: str, since_s: float = -np.inf) -> dict[s
 
 
 def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
-    """Return what is believed of a short clip: each component's way and amount, from end to end.
-
-    Args:
-        shown: The clip.
-        units: Of its frames.
-    """
+    """Return what is believed of a short clip: each component's way and amount, from end to end."""
     from geotlm_lm import LEAST_SURE  # with the model's libraries
 
     belief = shown.encoded.belief

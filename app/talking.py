@@ -52,15 +52,10 @@ REGION_VALUES = ("shear_change_x", "shear_change_y", "contact_mass")
 
 @dataclass
 class Talking:
-    """Answers questions about a clip.
-
-    Args:
-        answerer: The model.
-        redraw: Returns what the stage shows once the size of a pixel is another.
-        beside: Returns what else is filled with an answer.
-    """
+    """Answers questions about a clip."""
 
     answerer: Answerer
+    # What the stage shows once the size of a pixel is another, what else an answer fills.
     redraw: Callable[[LoadedClip, Source], dict[str, Any]] = _whole
     beside: Callable[..., Filled] = evidence_and_code
 
@@ -79,15 +74,14 @@ class Talking:
         session, size_before = shown.session, shown.session.frame.mm_per_px
         session.frame = replace(session.frame, **fields_of(facts), mm_per_px=mm_per_px or None)
         answer = session.ask(question)
-        frame, direction = session.frame, answer.in_the_image
-        stated = facts_of(frame)
-        direction = None if direction is None else direction.value
+        frame, stated = session.frame, facts_of(session.frame)
+        direction = None if answer.in_the_image is None else answer.in_the_image.value
         redrawn = frame.mm_per_px != size_before
         yield {
             "chat": [
                 *(chat or []),
-                _message("user", question),
-                _message("assistant", _sentence(answer)),
+                {"role": "user", "content": escape(question, quote=False)},
+                {"role": "assistant", "content": escape(_sentence(answer), quote=False)},
             ],
             "question": "",
             "last": direction,
@@ -113,11 +107,7 @@ class Talking:
     def resize(
         self, shown: LoadedClip | None, source: Source | None, mm_per_px: float | None
     ) -> Iterator[Filled]:
-        """Tell lengths by another size of a pixel, in the picture as well; 0 and None: in pixels.
-
-        Raises:
-            GeoTLMError: If no camera has pixels of that size.
-        """
+        """Tell lengths by another size of a pixel, in the picture as well; 0, None: in pixels."""
         size = mm_per_px or None
         if shown is None or size == shown.session.frame.mm_per_px:
             return
@@ -140,15 +130,9 @@ class Talking:
 
 
 def _sentence(answer: Any) -> str:
-    says_how_sure = answer.kind == "how-sure"  # in its own words
-    if answer.abstained or not answer.options or says_how_sure:
+    if answer.abstained or not answer.options or answer.kind == "how-sure":  # in its own words
         return answer.text
     return f"{answer.text}  ({100 * answer.confidence:.0f} % sure)"
-
-
-def _message(role: str, text: str) -> dict[str, Any]:
-    """Return a message that the conversation shows as it is."""
-    return {"role": role, "content": escape(text, quote=False)}
 
 
 def text_of(message: dict[str, Any]) -> str:

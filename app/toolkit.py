@@ -42,9 +42,9 @@ QUIET = {**PRIVATE, "show_progress": "hidden"}
 """Options of an event whose parts show by themselves that they are being filled."""
 
 
-def model_at(*parts: Any) -> dict[str, Any]:
-    """Return the options of an event that uses the model, and is seen to run at these parts."""
-    return {**PRIVATE, "show_progress_on": list(parts), **MODEL}
+def model_at(part: Any) -> dict[str, Any]:
+    """Return the options of an event that uses the model, and is seen to run at a part."""
+    return {**PRIVATE, "show_progress_on": [part], **MODEL}
 
 
 def report_progress(what: str, done: int, total: int) -> None:
@@ -68,13 +68,9 @@ def complaint() -> Any:
 
 
 def html(value: Any, template: str, name: str, script: str | None = None) -> Any:
-    """Return a component of the page's own.
+    """Return a component of the page's own, whose script is run when it is laid out.
 
-    Args:
-        value: That it shows first.
-        template: Of HTML.
-        name: Its class in the style sheet, and its script in `parts.js` unless one is given.
-        script: Of JavaScript, run when it is laid out.
+    The name is its class in the style sheet, and its script in `parts.js` unless one is given.
     """
     if script is None:
         script = f"{Path(__file__).with_name('parts.js').read_text('utf-8')}\nparts.{name}();"
@@ -93,11 +89,8 @@ def filling(
 ) -> Callable[..., Iterator[dict[Any, Any]]]:
     """Return a handler of the toolkit that fills parts with what a function yields for their names.
 
-    Args:
-        parts: The page's, by name.
-        function: Yields new values by name; its errors are shown in the complaint.
-        takes: Class of the toolkit that the function's last argument is of: what is known of a
-            click or of the visit. None where there is none.
+    Its errors are shown in the complaint. It `takes` as its last argument one of a class of the
+    toolkit that tells what is known of a click or of the visit.
     """
 
     def fill(*given: Any) -> Iterator[dict[Any, Any]]:

@@ -61,9 +61,6 @@ class Tool:
     def call(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Return the function's result as plain JSON values.
 
-        Args:
-            given: Its parameters by name.
-
         Raises:
             GeoTLMError: If a parameter is wrong, or the function cannot do what is asked, in one
                 sentence; a defect is logged with its trace and reported as one.

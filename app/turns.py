@@ -31,12 +31,7 @@ LISTENER: ContextVar[Report | None] = ContextVar("listener", default=None)
 
 
 class Turns:
-    """A lock that is handed on in the order in which it was asked for.
-
-    Args:
-        report: Shows the place in the line, and how far long work is.
-        slice_s: Time after which long work gives it up to those who wait.
-    """
+    """A lock that is handed on in the order in which it was asked for."""
 
     def __init__(self, report: Report = lambda *_: None, slice_s: float = SLICE_S) -> None:
         self.report, self.slice_s = report, slice_s
@@ -96,15 +91,11 @@ class Turns:
 
 
 class Turn:
-    """A turn, given up for a while between two frames.
-
-    Attributes:
-        is_held: Whether it is held now; not while others go first, nor if the wait for them failed.
-    """
+    """A turn, given up for a while between two frames."""
 
     def __init__(self, turns: Turns) -> None:
         self._turns = turns
-        self.is_held = True
+        self.is_held = True  # not while others go first, nor if the wait for them failed
         self._since_s = self._reported_s = time.monotonic()
 
     def progress(self, what: str, done: int, total: int) -> None:
@@ -194,11 +185,7 @@ class TrackerInTurns(_InTurns):
 
 
 class LazyAnswerer:
-    """Becomes an `Answerer` at its first use, so that the page stands before the model is loaded.
-
-    Args:
-        load: Loads the model; called once, by whichever thread comes first.
-    """
+    """Becomes an `Answerer` at its first use, so that the page stands before it is loaded."""
 
     def __init__(self, load: Callable[[], Answerer]) -> None:
         self._load, self._lock = load, Lock()

@@ -141,6 +141,11 @@ class Browser:
         self.click(name, "button.example")
         self.wait_for(f"{SHOWN} && {NAME}.innerText == {name!r}")
 
+    def open_recording(self, path: Path) -> None:
+        """Upload a recording on the Ask tab and wait until it is shown likewise."""
+        self.upload("Recording", path)
+        self.wait_for(f"{SHOWN} && {NAME}.innerText == {path.name!r}")
+
     def click(self, text: str, kind: str = "button") -> None:
         """Click the first visible element of a kind that holds a text."""
         self.wait_for(

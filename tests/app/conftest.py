@@ -62,6 +62,12 @@ def browser(empty, address):
 
 
 @pytest.fixture
+def path(tmp_path):
+    np.save(tmp_path / "clip.npy", clip(90))
+    return str(tmp_path / "clip.npy")
+
+
+@pytest.fixture
 def recordings(tmp_path):
     """A bright clip, which the stand-in tells as going right, and a dark one, going left."""
     paths = {}
@@ -74,15 +80,15 @@ def recordings(tmp_path):
 
 
 @pytest.fixture(scope="session")
-def touch_frames():
+def frames():
     """A gel that is touched after half a second of 25 frames a second."""
     plain = gel()
     return [next(plain) for _ in range(12)] + [touched(next(plain)) for _ in range(28)]
 
 
 @pytest.fixture
-def touch_path(touch_frames, tmp_path):
-    np.savez(tmp_path / "touch.npz", frames=np.stack(touch_frames), fps=25.0)
+def touch_path(frames, tmp_path):
+    np.savez(tmp_path / "touch.npz", frames=np.stack(frames), fps=25.0)
     return tmp_path / "touch.npz"
 
 

@@ -18,7 +18,6 @@ from geotlm_lm import __version__  # noqa: E402
 from geotlm_lm.core.errors import MissingDependency  # noqa: E402
 from tests.app.fakes import CAP, clip, in_message  # noqa: E402
 
-MISSING = "--mcp needs the package mcp, which is not installed; run `pip install 'geotlm-lm[mcp]'`."
 TOOLS = {"recordings", "ask", "track", "compare", "simulate", "evidence", "picture"}
 
 
@@ -30,20 +29,13 @@ def assert_refused(answer, begins):
     assert "Traceback" not in part.text
 
 
-def test_the_server_tells_its_own_name_version_and_limits(talk):
-    async def conversation(_, begun):
-        return begun
-
-    begun = talk(conversation)
-    assert (begun.serverInfo.name, begun.serverInfo.version) == ("geotlm-lm", __version__)
-    assert "2000 characters" in begun.instructions
-
-
 def test_every_tool_is_typed_bounded_and_described_on_both_sides(talk):
-    async def conversation(session, _):
-        return (await session.list_tools()).tools
+    async def conversation(session, begun):
+        return begun, (await session.list_tools()).tools
 
-    tools = {tool.name: tool for tool in talk(conversation)}
+    begun, listed = talk(conversation)
+    assert (begun.serverInfo.name, begun.serverInfo.version) == ("geotlm-lm", __version__)
+    tools = {tool.name: tool for tool in listed}
     assert set(tools) == TOOLS
     for tool in tools.values():
         assert tool.inputSchema["additionalProperties"] is False
@@ -166,43 +158,30 @@ def test_a_client_that_wants_to_know_is_told_how_far_tracking_is(talk, folder, m
 def test_a_missing_package_is_told_before_the_model_is_loaded(monkeypatch):
     monkeypatch.setitem(sys.modules, "mcp", None)
     monkeypatch.setattr("geotlm_lm.Answerer.load", lambda: pytest.fail("it was loaded"))
-    with pytest.raises(MissingDependency) as caught:
+    with pytest.raises(MissingDependency, match="mcp, which is not installed; run `pip install"):
         serve(mcp=True)
-    assert str(caught.value) == MISSING
 
 
 def test_a_package_this_server_is_not_written_for_is_told(monkeypatch):
-    pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
+    pytest.importorskip("mcp")
     monkeypatch.setattr(agents, "version", lambda _: "2.3.0")
     with pytest.raises(MissingDependency, match="below 2, found 2.3.0; run `pip install"):
         agents.require_mcp()
 
 
-UNKNOWN = "There is no recording "
-NEITHER = "The recording is neither a name nor a data URI nor an upload; "
-
-
 RECORDINGS = [
-    *((name, UNKNOWN) for name in ("../private.npy", "day 1/../../private.npy", "./turn.npz")),
-    *((name, UNKNOWN) for name in ("link.npy", "up/private.npy", "up/recordings/turn.npz")),
-    *((name, UNKNOWN) for name in ("day 1", "turn.npz\0.npy", "..\\private.npy", "~/private.npy")),
-    ("no/such/private.npy", UNKNOWN),
-    ("/etc/passwd", NEITHER),
-    ("file:///etc/passwd", NEITHER),
-    ("http://127.0.0.1:9/clip.npz", NEITHER),
-    ("x" * 5000, NEITHER),
+    ("../private.npy", "There is no recording "),
+    ("/etc/passwd", "The recording is neither a name nor a data URI nor an upload; "),
     ("example:../private", "There is no example "),
     ("data:,plain", "The clip's data URI is not in base64; "),
-    ("data:;base64,UEsD*", "The clip's data URI is cut off or no base64; "),
     ("", "evidence: recording was ''"),
     (7, "evidence: recording was 7, and input should be a valid string; "),
-    (["turn.npz"], "evidence: recording was ['turn.npz'], and input should be a valid string; "),
-    (None, "evidence: recording was None, and input should be a valid string; "),
 ]
 
 
 def test_what_is_no_recording_of_ours_is_refused_in_one_sentence(use, folder):
-    given = [*RECORDINGS, (str(folder / "turn.npz"), NEITHER)]
+    private = (str(folder / "turn.npz"), "The recording is neither a name nor ")
+    given = [*RECORDINGS, private]
     answers = use(*(("evidence", {"recording": recording}) for recording, _ in given))
     for answer, (_, begins) in zip(answers, given, strict=True):
         assert_refused(answer, begins)
@@ -231,32 +210,16 @@ def test_pickles_and_bombs_are_refused_in_one_sentence(use, tmp_path):
 
 
 CALLS = [
-    (
-        "ask",
-        {"question": "Which way?"},
-        "ask: recording is missing; give recording and question.",
-    ),
+    ("ask", {"question": "Way?"}, "ask: recording is missing; give recording and question."),
     ("ask", {"recording": CAP, "question": "x" * 2001}, "ask: question was 'xxx"),
     ("ask", {"recording": CAP, "question": " "}, "The question is empty; "),
-    ("ask", {"clip": CAP}, "ask: recording is missing; "),
-    (
-        "evidence",
-        {"recording": CAP, "path": "x"},
-        "evidence: there is no parameter 'path'; it takes recording, frames, topic.",
-    ),
-    ("evidence", {"recording": CAP, "topic": "x" * 201}, "evidence: topic was 'xxx"),
+    ("compare", {"path": "x"}, "compare: first is missing; "),
+    ("recordings", {"path": "x"}, "recordings: there is no parameter 'path'; "),
     ("evidence", {"recording": CAP, "frames": [0]}, "evidence: frames was [0], and "),
     ("evidence", {"recording": CAP, "frames": [0, "b"]}, "evidence: frames.1 was 'b', and "),
     ("evidence", {"recording": CAP, "frames": [0, 99]}, "Frames 0:99 were "),
-    ("track", {"recording": "turn.npz", "frames": [900, 950]}, "Frames 900:950 were "),
     ("track", {"recording": "turn.npz", "frames": [50, 950]}, "Frames 50:950 were "),
     ("track", {"recording": "turn.npz", "frames": [60, 50]}, "Frames 60:50 were "),
-    (
-        "picture",
-        {"recording": "turn.npz", "frames": [50, 950], "shows": "timeline"},
-        "Frames 50:950 were ",
-    ),
-    ("track", {"recording": CAP, "rows": 501}, "track: rows was 501, and "),
     ("track", {"recording": CAP, "turned": 45}, "track: turned was 45, and "),
     ("ask", {"recording": CAP, "question": "a", "mm_per_px": -1}, "ask: mm_per_px was -1, "),
     ("picture", {"recording": CAP, "shows": "all"}, "picture: shows was 'all', and "),
@@ -271,11 +234,3 @@ def test_a_wrong_call_is_refused_in_one_sentence(use):
     answers = use(*((tool, given) for tool, given, _ in CALLS))
     for answer, (*_, begins) in zip(answers, CALLS, strict=True):
         assert_refused(answer, begins)
-
-
-def test_nothing_that_came_inside_a_message_is_left_on_disk(use, uploads, tmp_path):
-    np.save(tmp_path / "clip.npy", clip(90))
-    sent = in_message((tmp_path / "clip.npy").read_bytes())
-    use(("evidence", {"recording": sent}), ("evidence", {"recording": sent[:-4000]}))
-    assert list(uploads.rglob("message-*")) == []
-    assert list(uploads.rglob("*.npy")) == []

@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from app import live_tab, sessions  # noqa: E402
-from tests.app.browser import NAME, SHOWN, STAGE, TEXT  # noqa: E402
+from tests.app.browser import STAGE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -94,8 +94,7 @@ def files_in(page):
 
 
 def test_an_upload_is_gone_when_its_page_was_closed(browser, page, recordings):
-    browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'")
+    browser.open_recording(recordings["dark"])
     assert [path.name for path in files_in(page)].count("dark.npy") == 1
     browser.call("Page.navigate", url="about:blank")
     until = time.monotonic() + 60

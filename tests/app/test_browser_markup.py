@@ -10,7 +10,7 @@ pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)
 
 from geotlm_lm import Session  # noqa: E402
 from geotlm_lm.answering import CAMERA  # noqa: E402
-from tests.app.browser import NAME, SHOWN, TEXT  # noqa: E402
+from tests.app.browser import TEXT  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 pytestmark = pytest.mark.slow
@@ -74,8 +74,7 @@ def fake():
 def test_a_question_is_shown_as_it_was_typed(browser, fake, elsewhere, recordings, markup):
     site, asked = elsewhere
     fake.asked = markup.format(site=site)
-    browser.upload("Recording", recordings["dark"])
-    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'dark.npy'", seconds=60)
+    browser.open_recording(recordings["dark"])
     browser.click("Evidence", "button")
     browser.fill("Question", fake.asked)
     browser.click("Ask", "button.primary")

@@ -1,6 +1,8 @@
-"""The stage in a real browser: played and scrubbed by mouse, keys and fingers; it fits."""
+"""The stage in a real browser: by mouse, keys and fingers; it fits, and axe finds no fault."""
 
+import json
 import shutil
+from pathlib import Path
 
 import pytest
 
@@ -76,8 +78,7 @@ def test_what_lies_over_the_picture_is_switched(browser):
 
 
 def test_a_click_on_the_timeline_shows_that_moment(browser, touch_path):
-    browser.upload("Recording", touch_path)
-    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'touch.npz'")
+    browser.open_recording(touch_path)
     line = box(browser, ".stage-time svg")
     browser.run("document.querySelector('.stage [data-part=play]').click()")
     for share in (0.3, 0.8):
@@ -160,8 +161,7 @@ def test_a_finger_opens_an_example_asks_and_scrubs(phone, touch_path):
     phone.wait_for(f"{SHOWN} && {NAME}.innerText == 'bead'")
     tap(phone, ".chips button", "Which way is it moving?")
     phone.wait_for(f"{TEXT}.includes('% sure)')")
-    phone.upload("Recording", touch_path)
-    phone.wait_for(f"{SHOWN} && {NAME}.innerText == 'touch.npz'")
+    phone.open_recording(touch_path)
     phone.run(f"{STAGE}.scrollIntoView(); {STAGE}.querySelector('[data-part=play]').click()")
     line = box(phone, ".stage-time svg")
     places = [line["left"] + 46 + share * (line["width"] - 56) for share in (0.2, 0.4, 0.6, 0.75)]
@@ -170,8 +170,7 @@ def test_a_finger_opens_an_example_asks_and_scrubs(phone, touch_path):
 
 
 def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(browser, touch_path):
-    browser.upload("Recording", touch_path)
-    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'touch.npz'")
+    browser.open_recording(touch_path)
     browser.click("Frame of reference", "button")
     panel = f"{STAGE}.querySelector('.stage-time').textContent"
     assert "travel in px" in browser.run(panel)
@@ -188,3 +187,43 @@ def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(brows
     browser.fill("Millimetres per pixel", "60")
     browser.run(f"{field}.blur()")
     browser.wait_for(f"{TEXT}.includes('A pixel of 60 mm was given, expected')", seconds=60)
+
+
+TABS = ("Ask", "Compare", "Live", "Simulate")
+RUN = """;window.found = null; axe.run(document, {resultTypes: ['violations']}).then(told => {
+    window.found = JSON.stringify(told.violations.map(
+        one => [one.impact, one.id, one.nodes.map(node => node.html.slice(0, 200))]))}); 1"""
+
+
+def found_by_axe(browser):
+    """Return what is critical or serious of what is seen."""
+    axe_core_python = pytest.importorskip("axe_core_python", reason="axe is in the extra dev")
+    axe = (Path(axe_core_python.__file__).parent / "axe.min.js").read_text()
+    browser.run(axe + RUN)
+    browser.wait_for("window.found !== null")
+    found = json.loads(browser.run("window.found"))
+    return [one for one in found if one[0] in ("critical", "serious")]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_critical_or_serious(empty, address, theme):
+    empty.open(f"{address}?__theme={theme}")
+    for tab in TABS:
+        empty.click(tab, "button[role=tab]")
+        empty.wait_for(
+            f"document.querySelector('button[role=tab][aria-selected=true]').innerText == {tab!r}"
+        )
+        assert found_by_axe(empty) == [], tab
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_while_a_recording_is_watched(empty, address, theme, long_recording):
+    empty.open(f"{address}?__theme={theme}")
+    empty.click("Live", "button[role=tab]")
+    empty.upload("Recording", long_recording)
+    empty.wait_for("document.body.innerText.includes('long')")
+    empty.click("Watch", "button.primary")
+    empty.click("When did it stop?", ".chips button")
+    empty.wait_for("document.body.innerText.includes('neither turns nor slides')")
+    assert found_by_axe(empty) == []
+    assert empty.run(f"!{STAGE}.querySelector('[data-part=live]').hidden"), "it was over"

@@ -16,12 +16,6 @@ class Refusing(FakeAnswerer):
         raise GeoTLMError(f"{clip.name}: 100% of frame 0 is black.")
 
 
-@pytest.fixture
-def path(tmp_path):
-    np.save(tmp_path / "clip.npy", np.full((6, 48, 64, 3), 90, np.uint8))
-    return str(tmp_path / "clip.npy")
-
-
 @pytest.mark.parametrize(
     ("given", "opened"),
     [
@@ -37,13 +31,6 @@ def test_of_several_recordings_the_last_is_opened(given, opened):
     assert latest_upload(given) == opened
 
 
-def test_several_recordings_are_refused_in_a_sentence(path):
-    with pytest.raises(
-        GeoTLMError, match="^Several recordings were given; give one, or the images of one.$"
-    ):
-        load_clip(FakeAnswerer(), [path, path])
-
-
 def test_a_recording_refused_while_it_is_perceived_is_told_by_its_own_name(path):
     with pytest.raises(GeoTLMError, match="^clip.npy: 100% of frame 0 is black.$"):
         load_clip(Refusing(), path)
@@ -57,16 +44,30 @@ def test_images_that_cannot_be_read_are_told_by_their_own_names(tmp_path):
         load_clip(FakeAnswerer(), paths)
 
 
-@pytest.mark.parametrize("first_and_last", [(0, None), (None, 3), ("0", ""), ("", "3")])
-def test_half_a_span_is_refused(path, first_and_last):
-    with pytest.raises(GeoTLMError, match="^Only one end of the span was given"):
-        load_clip(FakeAnswerer(), path, *first_and_last)
+@pytest.mark.parametrize(
+    ("ends", "sentence"),
+    [
+        ((0, None), "Only one end of the span was given"),
+        (("", "3"), "Only one end of the span was given"),
+        ((0, 1.5), "The span was .* to .*, expected two whole numbers; "),
+        (("-1", "3"), "The span was .* to .*, expected two whole numbers; "),
+    ],
+)
+def test_a_span_that_is_none_is_refused(path, ends, sentence):
+    with pytest.raises(GeoTLMError, match=f"^{sentence}"):
+        load_clip(FakeAnswerer(), path, *ends)
 
 
-@pytest.mark.parametrize("first_and_last", [(0, 1.5), ("0", "1.5"), ("-1", "3"), ("one", "3")])
-def test_a_span_of_no_whole_numbers_is_refused(path, first_and_last):
-    with pytest.raises(GeoTLMError, match="^The span was .* to .*, expected two whole numbers; "):
-        load_clip(FakeAnswerer(), path, *first_and_last)
+@pytest.mark.parametrize(
+    ("count", "sentence"),
+    [
+        (0, "No recording was given; upload a clip first."),
+        (2, "Several recordings were given; give one, or the images of one."),
+    ],
+)
+def test_no_recording_and_several_are_refused(path, count, sentence):
+    with pytest.raises(GeoTLMError, match=f"^{sentence}$"):
+        load_clip(FakeAnswerer(), [path] * count)
 
 
 @pytest.mark.parametrize("first_and_last", [(0, 3), (" 0", "3 ")])
@@ -75,19 +76,11 @@ def test_a_span_of_whole_numbers_is_used(path, first_and_last):
     assert list(shown.encoded.clip.frame_numbers) == [0, 1, 2, 3]
 
 
-@pytest.mark.parametrize(
-    ("shape", "advice"),
-    [
-        ((6, 48, 64), "if these are grey frames save frames[..., None], or use the command line"),
-        ((6, 48), "or, on the command line with --layout THW, (T,H,W); save the frames"),
-    ],
-)
-def test_grey_frames_are_told_what_can_be_done_in_the_page(tmp_path, shape, advice):
+@pytest.mark.parametrize("shape", [(6, 48, 64), (6, 48)])
+def test_grey_frames_are_told_what_can_be_done_in_the_page(tmp_path, shape):
     np.save(tmp_path / "grey.npy", np.full(shape, 90, np.uint8))
-    with pytest.raises(GeoTLMError) as caught:
+    with pytest.raises(GeoTLMError, match="^grey.npy: .* the command line with --layout") as caught:
         load_clip(FakeAnswerer(), str(tmp_path / "grey.npy"))
-    assert str(caught.value).startswith("grey.npy: ")
-    assert advice in str(caught.value)
     assert "pass --layout" not in str(caught.value)
 
 
@@ -105,8 +98,3 @@ def test_several_images_are_one_recording(tmp_path):
         cv2.imwrite(paths[-1], np.full((40, 50, 3), 40 * number, np.uint8))
     clip = load_clip(FakeAnswerer(), paths).encoded.clip
     assert [int(frame.mean()) for frame in clip.frames] == [0, 40, 80, 120]
-
-
-def test_nothing_uploaded_is_refused():
-    with pytest.raises(GeoTLMError, match="^No recording was given; upload a clip first.$"):
-        load_clip(FakeAnswerer(), None)

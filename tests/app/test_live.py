@@ -13,20 +13,10 @@ from tests.track.recordings import there_and_back
 
 
 @pytest.fixture
-def frames(touch_frames):
-    return touch_frames
-
-
-@pytest.fixture
 def clock(monkeypatch):
     """The camera's: 0.04 s go by from frame to frame."""
     ticks = iter(1e6 + 0.04 * number for number in range(1000))
     monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: next(ticks)))
-
-
-@pytest.fixture
-def path(touch_path):
-    return str(touch_path)
 
 
 def stages(steps):
@@ -99,25 +89,22 @@ def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
     assert (watched.stream.count, watched.mm_per_px, step["mm_per_px"]) == (1, None, 0)
 
 
-def test_a_camera_that_goes_on_does_not_take_the_place_of_a_recording(frames, path, monkeypatch):
+def test_a_camera_that_goes_on_does_not_replace_a_recording(frames, touch_path, monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: clock[0]))
     watched = LiveSession()
     followed(frames[:2], watched)
-    list(watch_recording(FakeAnswerer(), path, watched))
+    list(watch_recording(FakeAnswerer(), str(touch_path), watched))
     assert followed(frames[:1], watched) == []
     clock[0] += 3  # it was stopped, and started again
     assert len(followed(frames[:1], watched)) == 1
 
 
-def test_watching_nothing_is_told():
-    with pytest.raises(GeoTLMError, match="^No recording was given; upload one first.$"):
-        next(watch_recording(FakeAnswerer(), None, LiveSession()))
-
-
 def test_a_recording_that_fails_is_told_by_its_own_name_and_nothing_stays_of_the_one_before(
     tmp_path,
 ):
+    with pytest.raises(GeoTLMError, match="^No recording was given; upload one first.$"):
+        next(watch_recording(FakeAnswerer(), None, LiveSession()))
     (tmp_path / "broken.npy").write_bytes(b"no recording")
     steps = watch_recording(FakeAnswerer(), str(tmp_path / "broken.npy"), LiveSession())
     assert next(steps) == NOTHING
@@ -125,17 +112,13 @@ def test_a_recording_that_fails_is_told_by_its_own_name_and_nothing_stays_of_the
         next(steps)
 
 
-def test_watching_ends_with_nothing_left_once_everything_was_emptied(path):
+def test_nothing_is_left_and_a_camera_followed_anew_once_everything_was_emptied(frames, touch_path):
     watched = LiveSession()
-    steps = watch_recording(FakeAnswerer(), path, watched)
+    steps = watch_recording(FakeAnswerer(), str(touch_path), watched)
     while not next(steps).get("stage"):
         pass
     assert list(stop(watched)) == [NOTHING]
     assert list(steps) == [NOTHING]
-
-
-def test_a_camera_is_followed_anew_after_everything_was_emptied(frames):
-    watched = LiveSession()
     followed(frames[:3], watched)
     list(stop(watched))
     followed(frames[3:4], watched)
@@ -179,22 +162,16 @@ def test_a_pixels_size_is_told_of_all_that_is_watched(frames, clock):
         list(LiveTalk(FakeAnswerer()).resize(watched, 60))
 
 
-def test_frames_that_are_kept_for_questions_are_bounded(frames, monkeypatch, clock):
-    monkeypatch.setattr(live, "KEPT_BYTES", 20 * frames[0].nbytes)
-    watched = LiveSession()
-    followed(frames, watched)
-    numbers = watched.stream.shown().encoded.clip.frame_numbers
-    assert max(numbers) < 40
-    assert len(watched.stream._kept) <= 20
-
-
-def test_of_frames_however_large_enough_are_kept_for_a_question(frames, monkeypatch, clock):
-    monkeypatch.setattr(live, "KEPT_BYTES", 0)
+@pytest.mark.parametrize(("fitting", "kept"), [(20, 20), (0, live.LEAST_KEPT)])
+def test_frames_that_are_kept_are_bounded_and_enough_for_a_question(
+    frames, monkeypatch, clock, fitting, kept
+):
+    monkeypatch.setattr(live, "KEPT_BYTES", fitting * frames[0].nbytes)
     watched = LiveSession()
     for count in range(25, 41):
         followed(frames[watched.stream.count if watched.stream else 0 : count], watched)
         assert watched.stream.shown().encoded.track is not None
-    assert len(watched.stream._kept) <= live.LEAST_KEPT
+    assert len(watched.stream._kept) <= kept
 
 
 def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, monkeypatch):

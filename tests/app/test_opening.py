@@ -84,9 +84,6 @@ def test_the_track_is_saved_frame_by_frame(tracked):  # noqa: F811
     told = json.loads(content(saved("track.json", tracked, Source("", "my key.npz"))))
     assert told["made_by"]["recording"] == "my key.npz"
     assert len(told["events"]) == len(tracked.encoded.track.events)
-
-
-def test_the_timeline_is_saved_as_a_picture(tracked):  # noqa: F811
     pytest.importorskip("matplotlib", reason="the plot needs matplotlib (extra: track)")
     assert content(saved("track.png", tracked, Source("", "key"))).startswith(b"\x89PNG")
 

@@ -22,7 +22,8 @@ from tests.app.fakes import FakeAnswerer  # noqa: E402
 
 
 def test_a_session_shows_what_the_toolkits_own_does(page):
-    light, own = LightSession(page), SessionState(page)
+    light, own = page.app.state_holder["a visitor"], SessionState(page)
+    assert isinstance(light, LightSession)
     assert light.config_values == {}
     assert list(light.components) == list(own.components)
 
@@ -39,10 +40,6 @@ def test_what_is_changed_for_one_visitor_is_not_for_another(page):
     assert values["one"] == ["typed"]
     assert values["other"] != ["typed"]
     assert list(held["one"].config_values) == [key]
-
-
-def test_the_served_page_keeps_light_sessions(page):
-    assert isinstance(page.app.state_holder["a visitor"], LightSession)
 
 
 def test_what_the_visitor_has_open_who_was_away_longest_is_closed_first(page, recordings):
@@ -133,15 +130,12 @@ def test_the_folder_is_told_to_the_toolkit_and_gone_in_the_end(tmp_path, monkeyp
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_live_servers_folder_is_left_alone(server, tmp_path):
-    _, theirs = server
+@pytest.mark.slow
+def test_a_live_servers_folder_is_left_alone_and_a_dead_ones_removed(server, tmp_path):
+    process, theirs = server
     with own_cache_folder(tmp_path) as ours:
         assert ours != theirs
     assert (theirs / "abc" / "clip.npz").read_bytes() == b"PK"
-
-
-def test_a_dead_servers_folder_is_removed_at_the_next_start(server, tmp_path):
-    process, theirs = server
     process.send_signal(signal.SIGKILL)
     process.wait()
     assert (theirs / "abc" / "clip.npz").exists()

@@ -22,8 +22,8 @@ def clip_of(count, rows=48, columns=64, fps=None):
 
 
 @pytest.fixture(scope="module")
-def tracked(touch_frames):
-    return perceive(FakeAnswerer(), Clip(np.stack(touch_frames), fps=25.0))
+def tracked(frames):
+    return perceive(FakeAnswerer(), Clip(np.stack(frames), fps=25.0))
 
 
 def decoded(address):
@@ -58,6 +58,8 @@ def test_a_picture_is_sent_as_it_is_and_in_the_shape_of_the_camera():
     assert sent.shape == (224, 224, 3)
     assert np.abs(sent.astype(int) - clip.frames[2]).mean() < 2
     assert decoded(told["idle"]).shape == (224, 224, 3)
+    large = stage.opening(clip_of(4, 480, 640), "cap")
+    assert decoded(large["frames"][0]).shape == (336, 448, 3)
 
 
 def test_a_long_recording_stays_below_three_megabytes():
@@ -67,11 +69,6 @@ def test_a_long_recording_stays_below_three_megabytes():
     assert len(told["frames"]) == stage.MOST_FRAMES
     assert len(json.dumps(told)) < 3.2e6
     assert told["x"][-1] == pytest.approx(399 / 25, abs=0.001)
-
-
-def test_large_frames_are_made_small():
-    told = stage.opening(clip_of(4, 480, 640), "cap")
-    assert decoded(told["frames"][0]).shape == (336, 448, 3)
 
 
 def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):

@@ -8,7 +8,6 @@ from concurrent.futures import ThreadPoolExecutor
 from threading import Thread
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
 from app.turns import AnswererInTurns, LazyAnswerer, Turns
@@ -28,18 +27,23 @@ def started(work, turns, waiting):
     return thread
 
 
-def test_turns_are_handed_on_in_the_order_in_which_they_were_asked_for():
-    turns, order = Turns(), []
+def in_line(turns, order, names):
+    """Start threads that note their names, each at its turn."""
 
     def work(name):
         with turns.turn():
             order.append(name)
 
+    return [
+        started(lambda name=name: work(name), turns, place)
+        for place, name in enumerate(names, start=1)
+    ]
+
+
+def test_turns_are_handed_on_in_the_order_in_which_they_were_asked_for():
+    turns, order = Turns(), []
     with turns.turn():
-        threads = [
-            started(lambda name=name: work(name), turns, place)
-            for place, name in enumerate("abcd", start=1)
-        ]
+        threads = in_line(turns, order, "abcd")
         assert order == []
     for thread in threads:
         thread.join()
@@ -47,56 +51,17 @@ def test_turns_are_handed_on_in_the_order_in_which_they_were_asked_for():
     assert turns.waiting == 0
 
 
-def test_long_work_lets_all_that_wait_go_first_and_then_goes_on():
-    turns, order = Turns(slice_s=0.0), []
-
-    def question(name):
-        with turns.turn():
-            order.append(name)
-
+@pytest.mark.parametrize(("slice_s", "expected"), [(0.0, "1ab2"), (1e9, "12ab")])
+def test_long_work_lets_all_that_wait_go_first_once_its_slice_is_over(slice_s, expected):
+    turns, order = Turns(slice_s=slice_s), []
     with turns.turn() as turn:
-        order.append("frame 1")
-        threads = [
-            started(lambda name=name: question(name), turns, place)
-            for place, name in enumerate(("first", "second"), start=1)
-        ]
+        order.append("1")
+        threads = in_line(turns, order, "ab")
         turn.progress("tracking", 1, 2)
-        order.append("frame 2")
+        order.append("2")
     for thread in threads:
         thread.join()
-    assert order == ["frame 1", "first", "second", "frame 2"]
-
-
-def test_two_recordings_take_turns_frame_by_frame():
-    turns, order = Turns(slice_s=0.0), []
-
-    def track(name):
-        with turns.turn() as turn:
-            for _ in range(3):
-                order.append(name)
-                turn.progress("tracking", 0, 3)
-
-    with turns.turn():
-        threads = [started(lambda name=name: track(name), turns, place) for place, name in
-                   enumerate("ab", start=1)]  # fmt: skip
-    for thread in threads:
-        thread.join()
-    assert order == list("ababab")
-
-
-def test_before_its_slice_is_over_a_turn_is_kept():
-    turns, order = Turns(slice_s=1e9), []
-
-    def question():
-        with turns.turn():
-            order.append("question")
-
-    with turns.turn() as turn:
-        thread = started(question, turns, 1)
-        turn.progress("tracking", 1, 2)
-        order.append("frame")
-    thread.join()
-    assert order == ["frame", "question"]
+    assert order == list(expected)
 
 
 def test_a_turn_is_given_back_when_the_work_fails():
@@ -195,26 +160,6 @@ def test_a_question_is_answered_between_two_frames_of_somebody_elses_recording()
     assert order == ["frame 0", "frame 1", "question", "frame 2"]
 
 
-def test_a_track_made_in_turns_is_the_same():
-    recording = there_and_back()
-    plain = FakeAnswerer().track(recording)
-    turns = Turns(slice_s=0.0)
-    shared = AnswererInTurns(FakeAnswerer(), turns)
-    tracks = {}
-
-    def track(name):
-        tracks[name] = shared.track(recording)
-
-    with turns.turn():
-        threads = [started(lambda name=name: track(name), turns, place) for place, name in
-                   enumerate("ab", start=1)]  # fmt: skip
-    for thread in threads:
-        thread.join()
-    for found in tracks.values():
-        assert np.array_equal(found.twists, plain.twists)
-        assert found.events == plain.events
-
-
 def test_a_conversation_and_a_camera_wait_for_their_turn_too():
     turns = Turns()
     shared = AnswererInTurns(FakeAnswerer(), turns)
@@ -262,6 +207,7 @@ def test_a_model_that_cannot_be_loaded_says_so_every_time():
     assert len(tries) == 2
 
 
+@pytest.mark.slow
 def test_the_page_is_built_without_the_models_libraries():
     pytest.importorskip("gradio", reason="building the page needs gradio (extra: app)")
     code = (
