@@ -42,15 +42,11 @@ class LayerSpectra(NamedTuple):
 
 
 def layer_spectra(
-    wavenumber_per_mm: FloatArray,
-    *,
-    thickness_mm: float,
-    poisson_ratio: float,
-    shear_modulus: float = 1.0,
+    wavenumber_per_mm: FloatArray, *, thickness_mm: float, poisson_ratio: float
 ) -> LayerSpectra:
     """Return the four response functions at |k| >= 0 in radians per mm, any shape.
 
-    nu is in [0, 0.5], where 0.5 (incompressible) is regular; G has the unit of the tractions.
+    nu is in [0, 0.5], where 0.5 (incompressible) is regular; tractions are in units of G.
     """
     nu, kappa, h = poisson_ratio, 3.0 - 4.0 * poisson_ratio, thickness_mm
     k = np.asarray(wavenumber_per_mm, dtype=np.float64)
@@ -59,15 +55,14 @@ def layer_spectra(
     small = np.exp(-2 * x)
     sinh = -np.expm1(-4 * x)
     denominator = 2 * kappa * (1 + small**2) + 2 * (kappa**2 + 1 + 4 * x**2) * small
-    scale = h / (shear_modulus * x * denominator)
+    scale = h / (x * denominator)
     zz = (1 - nu) * scale * (2 * kappa * sinh - 8 * x * small)
     ll = (1 - nu) * scale * (2 * kappa * sinh + 8 * x * small)
     # 2 exp(-2x) (cosh 2x - 1) = (1 - exp(-2x))^2
     lz = 0.5 * scale * (8 * x**2 * small - kappa * (kappa - 1) * np.expm1(-2 * x) ** 2)
-    tt = h / shear_modulus * np.tanh(x) / x
+    tt = h * np.tanh(x) / x
     still = k == 0
-    at_zero = h * (1 - 2 * nu) / (2 * shear_modulus * (1 - nu))
-    at_rest = (at_zero, h / shear_modulus, h / shear_modulus, 0.0)
+    at_rest = (h * (1 - 2 * nu) / (2 * (1 - nu)), h, h, 0.0)
     waves = zip(at_rest, (zz, ll, tt, lz), strict=True)
     return LayerSpectra(*(np.where(still, rest, values) for rest, values in waves))
 
@@ -79,7 +74,7 @@ class LayerOperator:
 
     Tractions and displacements are (n, side, side) along z and (n, 2, side, side) in the plane,
     x before y, on `side` cells per side of a periodic box. A box of the pad's size is within 2.7 um
-    of one twice as large. Images do not depend on the shear modulus.
+    of one twice as large. Tractions are in units of the shear modulus: images do not depend on it.
     """
 
     def __init__(
@@ -89,19 +84,14 @@ class LayerOperator:
         *,
         thickness_mm: float,
         poisson_ratio: float,
-        shear_modulus: float = 1.0,
         dtype: torch.dtype = torch.float32,
     ) -> None:
         self.side, self.cell_mm, self._dtype = side, box_mm / side, dtype
         step = 2 * np.pi / box_mm
         self._ky = np.fft.fftfreq(side, 1 / side)[:, None] * step
         self._kx = np.fft.rfftfreq(side, 1 / side)[None, :] * step
-        self._spectra = layer_spectra(
-            np.hypot(self._kx, self._ky),
-            thickness_mm=thickness_mm,
-            poisson_ratio=poisson_ratio,
-            shear_modulus=shear_modulus,
-        )
+        k = np.hypot(self._kx, self._ky)
+        self._spectra = layer_spectra(k, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio)
         self._zz = torch.from_numpy(self._spectra.zz).to(dtype)
 
     @cached_property
@@ -213,9 +203,8 @@ class HalfSpaceOperator:
     def shear(self, traction: Tensor) -> Tensor:
         """Return the tangential displacement under a tangential traction."""
         x, y = traction.unbind(dim=1)
-        return torch.stack(
-            [self._moved({"xx": x, "xy": y}), self._moved({"xy": x, "yy": y})], dim=1
-        )
+        loads = {"xx": x, "xy": y}, {"xy": x, "yy": y}
+        return torch.stack([self._moved(load) for load in loads], dim=1)
 
     def _moved(self, loads: dict[str, Tensor]) -> Tensor:
         double = (2 * self.side, 2 * self.side)

@@ -107,9 +107,7 @@ class Solved:
             own = {
                 "tension": -float(pressure.min()) / highest,
                 "penetration_um": float(step.penetration_um),
-                "complementarity": float(
-                    (pressure * gap).abs().sum() / (pressure.sum() * approach)
-                ),
+                "complementarity": float(_mean(pressure * gap) / (_mean(pressure) * approach)),
                 "gradient_share": float(step.gradient_share),
                 "cone_excess": excess / (self.friction * highest) if self.friction else 0.0,
                 "gained_work": -lost / energy,
@@ -167,10 +165,10 @@ def thin_layer(thickness_mm: float, depth_mm: float, *, nu: float) -> Solved:
     return replace(solved, thickness_mm=thickness_mm)
 
 
-def pad(side: int = 32, *, scale: float = 1.0, **options: float) -> LayerOperator:
+def pad(scale: float = 1.0) -> LayerOperator:
     """Return a GelSight pad's layer on a box of 16 mm, all its lengths times `scale`."""
     size = {"thickness_mm": 4.0 * scale, "poisson_ratio": 0.48, "dtype": torch.float64}
-    return LayerOperator(side, 16.0 * scale, **size | options)
+    return LayerOperator(32, 16.0 * scale, **size)
 
 
 def lopsided(response: Response, scale: float = 1.0) -> Tensor:
@@ -182,6 +180,10 @@ def lopsided(response: Response, scale: float = 1.0) -> Tensor:
 def _parabola(response: Response, depth_mm: float) -> Tensor:
     x, y = _centres(response)
     return (depth_mm - (x**2 + y**2) / (2 * RADIUS))[None]
+
+
+def _mean(field: Tensor) -> Tensor:
+    return field.abs().mean()
 
 
 def _centres(response: Response) -> Tensor:

@@ -50,9 +50,9 @@ def hertz_pressure(distance_mm: Tensor, nu: float) -> Tensor:
     return 3 * hertz_force(nu) / (2 * math.pi * CONTACT**2) * _dome(distance_mm, CONTACT)
 
 
-def punch_force(radius_mm: float, nu: float) -> float:
+def punch_force(radius_mm: float) -> float:
     """Return P = 2 E* a d of a flat disc (Boussinesq; chapter 3)."""
-    return 2 * 2 / (1 - nu) * radius_mm * DISC_DEPTH
+    return 2 * 2 / (1 - NU) * radius_mm * DISC_DEPTH
 
 
 def mindlin_travel(share: float, nu: float) -> float:
@@ -95,31 +95,23 @@ def lubkin_moment(stick_mm: float, nu: float) -> float:
     return 16 / 3 * (stick_mm**3 * lubkin_angle(stick_mm, nu) + 3 * ring)
 
 
-def sliding_moment(nu: float) -> float:
-    """Return M = 3 pi mu P a / 16 of a turned ball that slips all over."""
-    return 3 * math.pi * MU * hertz_force(nu) * CONTACT / 16
-
-
 def stuck_moment(radius_mm: float, angle_rad: float) -> float:
     """Return M = 16/3 G a^3 theta of a turned disc without slip (Reissner and Sagoci 1944)."""
     return 16 / 3 * radius_mm**3 * angle_rad
 
 
-def stuck_drag(radius_mm: float, travel_mm: float, nu: float) -> float:
+def stuck_drag(radius_mm: float, travel_mm: float) -> float:
     """Return Q = 8 G a x / (2 - nu) of a slid disc without slip (Mindlin 1949)."""
-    return 8 * radius_mm * travel_mm / (2 - nu)
+    return 8 * radius_mm * travel_mm / (2 - NU)
 
 
-COMPRESSIBLE_DEPTH = CONTACT**2 / (2 * RADIUS)
-"""Approach d = a^2 / (2 R) of a ball on a compressible layer with h << a."""
-
-INCOMPRESSIBLE_DEPTH = CONTACT**2 / (4 * RADIUS)
-"""Approach d = a^2 / (4 R) of a ball on an incompressible layer with h << a."""
+# Approach d of a ball on a layer with h << a.
+COMPRESSIBLE_DEPTH, INCOMPRESSIBLE_DEPTH = CONTACT**2 / (2 * RADIUS), CONTACT**2 / (4 * RADIUS)
 
 
-def compressible_layer_force(thickness_mm: float, nu: float) -> float:
+def compressible_layer_force(thickness_mm: float) -> float:
     """Return P = pi R d^2 / h * 2 G (1 - nu) / (1 - 2 nu), h << a (chapter 5)."""
-    stiffness = 2 * (1 - nu) / (1 - 2 * nu) / thickness_mm
+    stiffness = 2 * (1 - NU) / (1 - 2 * NU) / thickness_mm
     return math.pi * RADIUS * COMPRESSIBLE_DEPTH**2 * stiffness
 
 
@@ -140,11 +132,11 @@ STICK = 0.6  # radius that still sticks, in parts of the contact's: slip has com
 SHARE = 1 - STICK**3  # drag in parts of the friction at which a slid ball sticks inside that
 THERE, BACK = 0.6, 0.5  # drag in parts of the friction that a ball is slid with and loses again
 FRICTION = MU * hertz_force(0.0)
+SLIDING_MOMENT = 3 * math.pi * MU * hertz_force(NU) * CONTACT / 16  # of a ball that slips all over
 CELLS = (16, 32, 64)  # per side, where nothing else is said
 # Contact radii per thickness of a thin layer: the formulas are for a >> h, and keep the first term
 # of S_zz, whose next is (k h)^2 smaller.
 RADII = (16, 32, 64)
-HALF_A_CELL = tuple(BOX / cells / 2 for cells in CELLS)
 EDGE = (0.04, 0.019, 9.4e-3)  # largest errors of forces on a disc, whose edge is singular
 
 
@@ -181,7 +173,7 @@ def of(name, exact, *largest, order=2, at_least=False):
 
 
 def radius(name, exact):
-    return of(name, exact, *(half / exact for half in HALF_A_CELL), order=None)
+    return of(name, exact, *(BOX / cells / 2 / exact for cells in CELLS), order=None)
 
 
 def off(found, exact):
@@ -220,6 +212,12 @@ def pressure_error(solved):
     return off(solved.end.pressure[0], hertz_pressure(solved.distance_mm, NU))
 
 
+@cache
+def twisted_body(increments):
+    layer = pad()
+    return marched(layer, lopsided(layer), *[turn(0.16 / increments)] * increments)
+
+
 def path_error(solved):
     """Hold a path against twice as many increments: no closed form knows this history."""
     return off(solved.end.drift_mm, twisted_body(2 * (len(solved.steps) - 1)).end.drift_mm)
@@ -234,7 +232,7 @@ PROBLEMS = {
     ),
     "flat punch, Boussinesq": Problem(
         lambda cells: disc(cells, nu=NU),
-        of("force", lambda s: punch_force(s.contact_radius, NU), *EDGE, order=1),
+        of("force", lambda s: punch_force(s.contact_radius), *EDGE, order=1),
     ),
     "slid ball, c = 0.6 a": slid_ball(SHARE, (0.014, 1.5e-3, 3.5e-4), (0.072, 0.037, 0.019)),
     "slid ball, Q = 0.3 mu P": slid_ball(0.3, (0.024, 2.2e-3, 6.2e-4), (0.22, 0.12, 0.048)),
@@ -245,57 +243,30 @@ PROBLEMS = {
     "twisted ball, nu 0.49, Lubkin": twisted_ball(0.49),
     "ball that slips all over": Problem(
         lambda cells: ball(cells, turn(50 * lubkin_angle(STICK, NU)), nu=NU),
-        of("moment", sliding_moment(NU), 0.013, 2.8e-3, 4.2e-4, at_least=True),
+        of("moment", SLIDING_MOMENT, 0.013, 2.8e-3, 4.2e-4, at_least=True),
     ),
     "stuck disc, turned, Reissner and Sagoci": Problem(
         lambda cells: disc(cells, turn(0.01), nu=NU),
-        of(
-            "moment",
-            lambda s: stuck_moment(s.contact_radius, 0.01),
-            0.11,
-            0.052,
-            0.024,
-            order=1,
-        ),
+        of("moment", lambda s: stuck_moment(s.contact_radius, 0.01), 0.11, 0.052, 0.024, order=1),
     ),
     "stuck disc, slid, Mindlin": Problem(
         lambda cells: disc(cells, slide(0.01), nu=NU),
-        of("drag", lambda s: stuck_drag(s.contact_radius, 0.01, NU), *EDGE, order=1),
+        of("drag", lambda s: stuck_drag(s.contact_radius, 0.01), *EDGE, order=1),
     ),
     "thin layer, nu 0.3": Problem(
         lambda radii: thin_layer(CONTACT / radii, COMPRESSIBLE_DEPTH, nu=NU),
-        of(
-            "force",
-            lambda s: compressible_layer_force(s.thickness_mm, NU),
-            1.2e-3,
-            3.3e-4,
-            8.2e-5,
-        ),
+        of("force", lambda s: compressible_layer_force(s.thickness_mm), 1.2e-3, 3.3e-4, 8.2e-5),
         sizes=RADII,
     ),
     "thin layer, nu 0.5": Problem(
         lambda radii: thin_layer(CONTACT / radii, INCOMPRESSIBLE_DEPTH, nu=0.5),
-        of(
-            "force",
-            lambda s: incompressible_layer_force(s.thickness_mm),
-            0.094,
-            0.025,
-            6.4e-3,
-        ),
+        of("force", lambda s: incompressible_layer_force(s.thickness_mm), 0.094, 0.025, 6.4e-3),
         sizes=RADII,
     ),
     "lopsided body twisted on a pad": Problem(
-        lambda increments: twisted_body(increments),
-        {"drift": Quantity(path_error, (1.3e-3, 7.7e-4, 4e-4), 1)},
-        sizes=(4, 8, 16),
+        twisted_body, {"drift": Quantity(path_error, (1.3e-3, 7.7e-4, 4e-4), 1)}, sizes=(4, 8, 16)
     ),
 }
-
-
-@cache
-def twisted_body(increments):
-    layer = pad()
-    return marched(layer, lopsided(layer), *[turn(0.16 / increments)] * increments)
 
 
 @cache
@@ -327,9 +298,7 @@ def test_every_closed_form_is_met_at_each_size_and_at_its_order(name, quantity):
 def test_no_residual_is_near_the_error_it_measures(name):
     for solved in solutions(name):
         residuals = solved.residuals()
-        assert residuals["tension"] == 0
-        assert residuals["penetration_um"] <= 1e-4
-        assert residuals["complementarity"] < 1e-7
-        assert residuals["gradient_share"] <= 1e-7
-        assert residuals["cone_excess"] < 1e-12
-        assert residuals["gained_work"] < 1e-7
+        assert residuals.pop("tension") == 0
+        assert residuals.pop("penetration_um") <= 1e-4
+        assert residuals.pop("cone_excess") < 1e-12
+        assert max(residuals.values()) <= 1e-7

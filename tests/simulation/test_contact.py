@@ -59,8 +59,6 @@ def test_friction_carries_the_surface_along_inside_its_cone(preset):
     answer = solved(scene(x=(0, 0.2)), PRESETS[preset], with_drift=True)
     status = answer.status
     assert status.is_converged
-    assert status.preset == preset
-    assert status.friction_iterations > 0
     assert status.cone_excess < 1e-5
     assert status.dissipated_share > -0.02
     moved = (answer.drift_mm[1] - answer.drift_mm[0])[0]
@@ -80,20 +78,21 @@ def starved(name, harder):
     return Starved(name, 32, Effort((1,), friction_iterations=1, passes=1, most_passes=1))
 
 
+HARD = scene("letter_l", depth=(2.5, 2.5), gel=Gel(thickness_mm=0.5, poisson_ratio=0.5))
+
+
 def test_a_bad_residual_is_answered_by_the_next_preset_which_is_named():
-    hard = scene("letter_l", depth=(2.5, 2.5), gel=Gel(thickness_mm=0.5, poisson_ratio=0.5))
-    answer = solved(hard, starved("draft", PRESETS["good"]))
+    answer = solved(HARD, starved("draft", PRESETS["good"]))
     assert answer.status.is_converged
     assert answer.status.preset == "good"
     assert answer.indentation_mm.shape[-1] == PRESETS["good"].cells
 
 
 def test_running_out_of_steps_is_never_called_converged():
-    hard = scene("letter_l", depth=(2.5, 2.5), gel=Gel(thickness_mm=0.5, poisson_ratio=0.5))
-    status = solved(hard, starved("draft", None)).status
+    status = solved(HARD, starved("draft", None)).status
     assert not status.is_converged
     assert status.penetration_um > 30
-    slid = replace(hard, path=replace(hard.path, x_mm=(0.0, 0.2)))
+    slid = replace(HARD, path=replace(HARD.path, x_mm=(0.0, 0.2)))
     assert not solved(slid, starved("draft", None), with_drift=True).status.is_converged
 
 

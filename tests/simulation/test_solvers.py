@@ -1,13 +1,9 @@
 """Laws of a contact, Coulomb's law cell by cell, and laws of the march along a path."""
 
-import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.simulation.elastic import LayerOperator
 from geotlm_lm.simulation.solvers import (
-    PENETRATION_LIMIT_UM,
-    ROUNDS,
     Effort,
     cell_centres,
     march,
@@ -17,71 +13,17 @@ from geotlm_lm.simulation.solvers import (
 )
 from tests.simulation.contact_problems import MU, TIGHT, lopsided, marched, pad, turn
 
-SIDE, BOX = 48, 25.6
-
-
-def grid():
-    axis = (np.arange(SIDE) + 0.5 - SIDE / 2) * BOX / SIDE
-    return np.meshgrid(axis, axis)
-
-
-def overlap(height, depth):
-    return torch.tensor(depth - np.asarray(height), dtype=torch.float32)[None]
-
-
-def layer(thickness_mm=4.0, poisson_ratio=0.48):
-    return LayerOperator(SIDE, BOX, thickness_mm=thickness_mm, poisson_ratio=poisson_ratio)
-
-
-def rough(seed=0):
-    x, y = grid()
-    rng = np.random.default_rng(seed)
-    return (x**2 + y**2) / 30 + 0.1 * np.abs(rng.standard_normal(x.shape))
-
-
-@pytest.mark.parametrize("seed", [0, 1])
-def test_pressure_is_never_tensile_and_acts_only_where_the_gap_is_closed(seed):
-    gap_open = overlap(rough(seed), 0.6)
-    contact = solve_normal_contact(gap_open, layer(), Effort())
-    gap = contact.indentation_mm - gap_open
-    assert float(contact.pressure.min()) >= 0
-    assert float(gap.min()) > -5e-3
-    work = float((contact.pressure * gap).abs().sum() / (contact.pressure.sum() * 0.6))
-    assert work < 5e-3
-    assert float(contact.penetration_um) <= PENETRATION_LIMIT_UM
-
-
-@pytest.mark.parametrize("depth", [0.0, -0.3])
-def test_without_overlap_everything_is_exactly_zero(depth):
-    x, y = grid()
-    contact = solve_normal_contact(overlap(np.hypot(x, y) ** 2, depth), layer(), Effort())
-    assert not contact.pressure.any()
-    assert not contact.indentation_mm.any()
-    assert not contact.penetration_um.any()
+LAYER = pad()
+X, Y = CENTRES = cell_centres(32, LAYER.cell_mm, torch.float64)
+PRESSURE = (1 - (X**2 + Y**2) / 16).clamp_min(0).sqrt()[None]
 
 
 def test_a_sample_is_solved_alike_alone_and_beside_harder_ones():
-    x, y = grid()
-    cases = [overlap(rough(), 0.4), overlap(np.zeros_like(x), 1.2), overlap(x**2 + y**2, 0.0)]
-    together = solve_normal_contact(torch.cat(cases), layer(), Effort())
-    alone = solve_normal_contact(cases[0], layer(), Effort())
+    easy = lopsided(LAYER)
+    together = solve_normal_contact(torch.cat([easy, 3 * easy + 1, easy - 9]), LAYER, Effort())
+    alone = solve_normal_contact(easy, LAYER, Effort())
     assert torch.allclose(together.pressure[0], alone.pressure[0], atol=1e-4)
     assert not together.pressure[2].any()
-
-
-def test_a_hard_case_gets_more_iterations_and_an_unsolved_one_says_what_is_left():
-    gap_open, thin = overlap(rough(4) * 3, 3.5), layer(0.3, 0.5)
-    generous = solve_normal_contact(gap_open, thin, Effort())
-    assert int(generous.iterations) > ROUNDS[0]
-    starved = solve_normal_contact(gap_open, thin, Effort((1,)))
-    assert int(starved.iterations) == 1
-    assert float(starved.penetration_um) > 30
-
-
-CELLS = 32
-LAYER = LayerOperator(CELLS, 16.0, thickness_mm=4.0, poisson_ratio=0.48, dtype=torch.float64)
-X, Y = cell_centres(CELLS, 0.5, torch.float64)
-PRESSURE = (1 - (X**2 + Y**2) / 16).clamp_min(0).sqrt()[None]
 
 
 def turned(angle):
@@ -92,8 +34,8 @@ def slid(x, y=0.0):
     return torch.stack([torch.full_like(X, x), torch.full_like(X, y)])[None]
 
 
-def solved(target, limit, most=2000):
-    effort = Effort(friction_iterations=most, gradient_share=1e-8)
+def solved(target, limit):
+    effort = Effort(friction_iterations=2000, gradient_share=1e-8)
     return solve_friction(target, limit, LAYER, effort, guess=torch.zeros_like(target))
 
 
@@ -122,12 +64,6 @@ def test_inside_the_disc_a_cell_sticks_and_on_its_rim_it_slips_along_its_tractio
     assert (bool(sticks.any()), bool(rubs.any())) == regime
 
 
-def test_running_out_of_steps_is_told():
-    _, share, steps = solved(turned(0.1), 0.5 * PRESSURE, most=2)
-    assert steps == 2
-    assert float(share) > 1e-8
-
-
 def test_samples_do_not_influence_each_other():
     limit = 0.5 * PRESSURE
     both, *_ = solved(torch.cat([turned(0.1), slid(5.0)]), torch.cat([limit, 0 * limit]))
@@ -140,63 +76,41 @@ MIRROR = torch.tensor([-1.0, 1.0], dtype=torch.float64).view(1, 2, 1, 1)
 """What a mirror left to right does to a vector."""
 
 
-def deviation(found, exact):
-    return float((found - exact).abs().max() / exact.abs().max())
+def deviation(field, exact):
+    return float((field - exact).abs().max() / exact.abs().max())
 
 
-def twisted(modulus=1.0, scale=1.0):
-    layer = pad(scale=scale, shear_modulus=modulus)
+def twisted(scale=1.0):
+    layer = pad(scale=scale)
     return marched(layer, lopsided(layer, scale), turn(0.05)).end
 
 
 def test_a_mirrored_twist_leaves_the_mirrored_surface():
-    layer, plain = pad(), twisted()
-    mirrored = marched(layer, lopsided(layer).flip(2), turn(-0.05)).end
+    plain = twisted()
+    mirrored = marched(LAYER, lopsided(LAYER).flip(2), turn(-0.05)).end
     assert deviation(mirrored.drift_mm.flip(3) * MIRROR, plain.drift_mm) < 1e-6
     assert deviation(mirrored.indentation_mm.flip(2), plain.indentation_mm) < 1e-6
 
 
 def test_a_twist_clockwise_takes_the_top_to_the_right_and_the_right_down():
-    layer = pad()
-    centres = cell_centres(32, layer.cell_mm, torch.float64)
-    zero = torch.zeros(1, dtype=torch.float64)
-    travel = rigid_travel(
-        centres, torch.zeros(1, 2).double(), zero + 0.03, torch.zeros(1, 2).double()
-    )
-    step = marched(layer, lopsided(layer), lambda _: travel).end
-    touched = step.pressure[0] > 0
-    x, y = centres
-    drift = step.drift_mm[0]
-    assert float(drift[0][touched & (y < 0)].mean()) > 0
-    assert float(drift[0][touched & (y > 0)].mean()) < 0
-    assert float(drift[1][touched & (x > 0)].mean()) > 0
+    still = torch.zeros(1, 2, dtype=torch.float64)
+    travel = rigid_travel(CENTRES, still, still[0, :1] + 0.03, still)
+    step = marched(LAYER, lopsided(LAYER), lambda _: travel).end
+    touched, drift = step.pressure[0] > 0, step.drift_mm[0]
+    assert float(drift[0][touched & (Y < 0)].mean()) > 0
+    assert float(drift[0][touched & (Y > 0)].mean()) < 0
+    assert float(drift[1][touched & (X > 0)].mean()) > 0
 
 
-def test_a_stiffer_gel_moves_alike_and_a_larger_one_in_proportion():
-    # Under displacement control the modulus drops out of what is seen.
-    assert deviation(twisted(modulus=1e4).drift_mm, twisted().drift_mm) < 1e-6
-    # The solver stops at lengths of its own, so that only its tolerance, 1e-7, is common.
+def test_a_larger_gel_moves_in_proportion():
+    # The solver stops at lengths of its own: only its tolerance, 1e-7, is common.
     assert deviation(twisted(scale=2.5).drift_mm / 2.5, twisted().drift_mm) < 1e-5
 
 
-def test_work_is_stored_or_rubbed_away_and_none_comes_from_nothing():
-    layer = pad()
-    turns = [turn(angle) for angle in (0.01,) * 6 + (-0.01,) * 6]
-    steps = marched(layer, lopsided(layer), *turns).steps
-    spent = np.cumsum([float(step.work) for step in steps])
-    stored = np.array([float(step.energy) for step in steps])
-    rubbed = spent - stored
-    assert rubbed[0] == pytest.approx(0, abs=2e-2 * stored[0])
-    assert np.diff(rubbed).min() > -1e-3 * stored.max()
-    assert rubbed[-1] > 0
-
-
 def test_a_cell_that_leaves_the_contact_is_released():
-    layer = pad()
-    pressed, centres = lopsided(layer), cell_centres(32, layer.cell_mm, torch.float64)
-    rest = torch.zeros(1, 2, 32, 32, dtype=torch.float64)
-    path = [(pressed, rest), (pressed, turn(0.05)(centres)), (pressed - 10, rest)]
-    *_, end = march(path, layer, TIGHT, friction_coefficient=MU)
+    pressed, rest = lopsided(LAYER), torch.zeros(1, 2, 32, 32, dtype=torch.float64)
+    path = [(pressed, rest), (pressed, turn(0.05)(CENTRES)), (pressed - 10, rest)]
+    *_, end = march(path, LAYER, TIGHT, friction_coefficient=MU)
     assert not end.traction.any()
     assert float(end.drift_mm.abs().max()) < 1e-12
     assert float(end.indentation_mm.abs().max()) < 1e-12
