@@ -1,7 +1,7 @@
-"""Hold names to plain technical English: `python .ci/words.py` lists those that say what they are not.
+"""Hold names to plain technical English: `python .ci/words.py` lists those that are not.
 
-A name is the thing it holds: `answer_text`, not `told`; `event`, not `one`. The rooms of language are
-rebuilt and join the list then.
+A name is the thing it holds: `answer_text`, not `told`; `event`, not `one`. The rooms of language
+and training are rebuilt, and join then.
 """
 
 from __future__ import annotations

@@ -57,34 +57,20 @@ LEAST_WORK = 1e-9
 Pose = tuple[float, float, float, float]
 """Depth in mm, x and y in mm, rotation in radians."""
 
-
 PresetName = Literal["draft", "fast", "good", "accurate", "reference"]
 
 
 @dataclass(frozen=True)
 class Preset:
-    """One compromise between error and run time.
-
-    Args:
-        name: What it is called.
-        cells: Cells per side of the contact grid, over the pad's 25.6 mm.
-        effort: How hard every increment is solved.
-        dtype: Precision; fields converge to 1e-5 in single precision as in double.
-        is_half_space: Take the pad for infinitely thick, for comparison only.
-        step_share: Length of an increment with friction, relative to the farthest that is small.
-        skips_fine_profile: Whether a body is taken as the contact grid's cells hold it where they
-            hold all there is of it.
-        acceptable_um: Penetration up to which the result counts as converged.
-        acceptable_share: Projected gradient of the frictional problem, likewise.
-    """
+    """One compromise between error and run time."""
 
     name: PresetName
-    cells: int
+    cells: int  # per side of the contact grid, over the pad's 25.6 mm
     effort: Effort
-    dtype: torch.dtype = torch.float32
-    is_half_space: bool = False
-    step_share: float = 1.0
-    skips_fine_profile: bool = True
+    dtype: torch.dtype = torch.float32  # fields converge to 1e-5 in single precision as in double
+    is_half_space: bool = False  # the pad is infinitely thick: for comparison only
+    step_share: float = 1.0  # length of an increment relative to the farthest that is small
+    # Penetration and projected gradient of friction up to which the result counts as converged.
     acceptable_um: float = PENETRATION_LIMIT_UM
     acceptable_share: float = 0.1
 
@@ -105,7 +91,6 @@ class Preset:
             dtype=torch.promote_types(self.dtype, PRESETS[above[0]].dtype),
             is_half_space=self.is_half_space,
             step_share=self.step_share,
-            skips_fine_profile=self.skips_fine_profile,
         )
 
 
@@ -271,7 +256,7 @@ def _overlap(
     """Return the overlap (poses, cells, cells), negative all over where a pose is out of touch."""
     cells, size = preset.cells, (BOX_MM / preset.cells,) * 2
     dome = dome_mm(scene.gel, size, cells, scene.optics.mounting)
-    is_smooth = holds_detail(scene, profile, preset, cells)
+    is_smooth = holds_detail(scene, profile, cells)
     overlap = np.full((len(poses), cells, cells), -1.0, np.float32)
     for frame, (depth, *place) in zip(overlap, poses, strict=True):
         if depth > 0:
@@ -280,9 +265,9 @@ def _overlap(
     return torch.from_numpy(overlap).to(preset.dtype)
 
 
-def holds_detail(scene: Scene, profile: Profile, preset: Preset, cells: int) -> bool:
+def holds_detail(scene: Scene, profile: Profile, cells: int) -> bool:
     """Tell whether the contact grid holds all there is of the body, as deep as it goes."""
-    return preset.skips_fine_profile and profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
+    return profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
 
 
 def _poses(path: Path) -> Iterator[Pose]:
@@ -299,10 +284,8 @@ def _substeps(path: Path, share: float) -> Iterator[tuple[Pose, bool]]:
         poses.insert(0, (depth, x - slide_x, y - slide_y, angle - pre_turn))
     yield poses[0], not is_handled
     for before, after in pairwise(poses):
-        travel = max(
-            np.hypot(after[1] - before[1], after[2] - before[2]), abs(after[0] - before[0])
-        )
-        turn = abs(after[3] - before[3])
+        deeper, right, down, turn = (b - a for a, b in zip(before, after, strict=True))
+        travel, turn = max(np.hypot(right, down), abs(deeper)), abs(turn)
         steps = max(turn / TURN_STEP_RAD, travel / TRAVEL_STEP_MM) / share
         # Rounding must not split a step that is just as long as may be.
         count = max(int(np.ceil(steps - 1e-9)), 1)

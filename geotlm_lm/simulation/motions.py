@@ -41,18 +41,12 @@ PathArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Hand:
-    """How far whatever holds the sensor turns and slides in a clip, and how evenly it presses.
+    """How far whatever holds the sensor turns and slides in a clip, and how evenly it presses."""
 
-    Args:
-        rotation_deg: Total of a turn, least and most.
-        slide_mm: Total of a slide, least and most.
-        unevenness: Spread of the change of depth, relative to the path travelled at
-            `CONTACT_RADIUS_MM`: it widens or narrows the imprint.
-        unevenness_mm: Largest such spread.
-    """
-
-    rotation_deg: tuple[float, float]
+    rotation_deg: tuple[float, float]  # total, least and most
     slide_mm: tuple[float, float]
+    # Spread of the change of depth, relative to the path travelled at `CONTACT_RADIUS_MM`, and the
+    # largest: it widens or narrows the imprint.
     unevenness: float
     unevenness_mm: float
 

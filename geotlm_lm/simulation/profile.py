@@ -55,24 +55,14 @@ class Window(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Profile:
-    """A body ready to be placed.
+    """A body ready to be placed."""
 
-    Args:
-        height_mm: float32 (RASTER_SIDE, RASTER_SIDE), the leaning body above its lowest point.
-        middle_mm: Point of the object's frame that a pose's (x, y) places.
-        is_extended: The body goes on beyond the raster (mirrored there) instead of ending.
-    """
-
-    height_mm: HeightMap
-    middle_mm: tuple[float, float]
-    is_extended: bool
+    height_mm: HeightMap  # (RASTER_SIDE, RASTER_SIDE), the leaning body above its lowest point
+    middle_mm: tuple[float, float]  # what a pose's (x, y) places, in the object's frame
+    is_extended: bool  # it goes on beyond the raster (mirrored there) instead of ending
 
     def sample(
-        self,
-        pose: Pose,
-        mm_per_px: tuple[float, float],
-        side: int,
-        window: Window | None = None,
+        self, pose: Pose, mm_per_px: tuple[float, float], side: int, window: Window | None = None
     ) -> HeightMap:
         """Return f on a `window`, or all, of a square image about the middle of the view."""
         window = window or Window(0, side, 0, side)
@@ -100,11 +90,7 @@ class Profile:
         )
 
     def window(
-        self,
-        pose: Pose,
-        mm_per_px: tuple[float, float],
-        side: int,
-        reach_mm: float,
+        self, pose: Pose, mm_per_px: tuple[float, float], side: int, reach_mm: float
     ) -> Window:
         """Return a part of the image, perhaps empty, outside of which f exceeds `reach_mm`."""
         # Plain floats: eight calls a clip on arrays of four cost more than the pixels they save.

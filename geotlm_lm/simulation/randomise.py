@@ -13,24 +13,9 @@ from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.numbers import generator_for, log_uniform
 from geotlm_lm.simulation.contact import dome_drop_mm
 from geotlm_lm.simulation.indenters import INDENTERS
-from geotlm_lm.simulation.motions import (
-    STEADY,
-    UNSTEADY,
-    dominant_motion,
-    mixed_path,
-    random_path,
-)
+from geotlm_lm.simulation.motions import STEADY, UNSTEADY, dominant_motion, mixed_path, random_path
 from geotlm_lm.simulation.profile import build_profile
-from geotlm_lm.simulation.scene import (
-    Body,
-    Gel,
-    Markers,
-    Mounting,
-    Optics,
-    Path,
-    Scene,
-    VideoCodec,
-)
+from geotlm_lm.simulation.scene import Body, Gel, Markers, Mounting, Optics, Path, Scene, VideoCodec
 from geotlm_lm.simulation.shapes import Indenter
 
 DEPTH_MM = (0.2, 1.2)
@@ -71,7 +56,6 @@ MIXED_DOMINANCE = 2.0
 TEXTURE_SCALE_MM = (0.1, 1.0)
 """Correlation length of an object's texture; from the size of a pixel on, since real imprints hold
 detail that fine: gradients at 1 px are 1.7 to 2.0 times those at 3 px."""
-
 
 ZOOM = (0.6, 1.15)
 """Pixel size relative to a GelSight Mini's 20.3 x 15.2 mm view; small views see single details."""

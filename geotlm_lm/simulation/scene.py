@@ -24,25 +24,18 @@ def _require(name: str, value: float, low: float, high: float, unit: str = "") -
 
 @dataclass(frozen=True)
 class Gel:
-    """The elastic pad, bonded to its backing.
+    """The elastic pad, bonded to its backing."""
 
-    Args:
-        thickness_mm: Thickness at the centre; 4.0 for GelSight Mini (FEATS, arXiv 2411.03315).
-        poisson_ratio: Dimensionless, from 0 to 0.5.
-        dome: Height of the pad's crown relative to GelSight Mini's; 0 is a flat pad.
-        friction: Coulomb's coefficient between object and gel; 1.0 in FEATS and Taccel. It drags
-            the gel's surface along; the imprint hardly changes.
-        membrane_mm: Smoothing of the surface beside the object by the coat, standard deviation of a
-            Gaussian; .3 to .45 fit the flank of one measured ball press.
-        lag: Share of an indentation that is still there one frame after the object has left it; one
-            parameter for the gel's creep, which lasts one to three frames.
-    """
-
-    thickness_mm: float = 4.0
+    thickness_mm: float = 4.0  # at the centre of a GelSight Mini's (FEATS, arXiv 2411.03315)
     poisson_ratio: float = 0.48
-    dome: float = 1.0
+    dome: float = 1.0  # height of the crown relative to GelSight Mini's; 0 is a flat pad
+    # Coulomb's, between object and gel; 1.0 in FEATS and Taccel. The imprint hardly changes.
     friction: float = 1.0
+    # Smoothing beside the object by the coat, standard deviation of a Gaussian; .3 to .45 fit the
+    # flank of one measured ball press.
     membrane_mm: float = 0.0
+    # Share of an indentation that is still there one frame after the object has left it: the gel's
+    # creep, which lasts one to three frames.
     lag: float = 0.0
 
     def __post_init__(self) -> None:
@@ -56,26 +49,15 @@ class Gel:
 
 @dataclass(frozen=True)
 class Body:
-    """The rigid object that touches the gel.
+    """The rigid object that touches the gel."""
 
-    Args:
-        name: A name in `indenters.INDENTERS`.
-        variant: Seed of the shape's own random features (cells, weave phase, engraving).
-        size: Scale of the shape; 1 is its nominal size.
-        tilt_x: Slope of the object about the image's y axis, mm per mm.
-        tilt_y: Slope of the object about the image's x axis, mm per mm.
-        texture_um: Standard deviation of the surface texture in micrometres.
-        texture_scale_mm: Correlation length of that texture.
-        indenter: The shape itself, where it is none of `indenters.INDENTERS`.
-    """
-
-    name: str
-    variant: int = 0
-    size: float = 1.0
-    tilt_x: float = 0.0
+    name: str  # in `indenters.INDENTERS`, unless there is an `indenter`
+    variant: int = 0  # seed of the shape's own features (cells, weave phase, engraving)
+    size: float = 1.0  # relative to the nominal one
+    tilt_x: float = 0.0  # slope along x, mm per mm
     tilt_y: float = 0.0
-    texture_um: float = 0.0
-    texture_scale_mm: float = 0.5
+    texture_um: float = 0.0  # standard deviation
+    texture_scale_mm: float = 0.5  # correlation length
     indenter: Indenter | None = None
 
     def __post_init__(self) -> None:
@@ -92,22 +74,14 @@ _POSE = ("depth_mm", "x_mm", "y_mm", "rotation_rad")
 
 @dataclass(frozen=True)
 class Path:
-    """Pose of the object in every frame; all four tuples have one entry per frame.
+    """Pose of the object in every frame; all four tuples have one entry per frame."""
 
-    Args:
-        depth_mm: Approach of the object beyond first touch on the pad's crown; <= 0 is no contact.
-        x_mm: Position of the object's centre to the right of the view's middle.
-        y_mm: Position of the object's centre below the view's middle.
-        rotation_rad: Turn of the object, positive clockwise in the image.
-        pre_slide_mm: Travel (right, down) in touch that ended at the first frame: the gel is
-            sheared already. It shows in the gel's drift alone, and only friction carries it.
-        pre_turn_rad: The same of a turn, positive clockwise.
-    """
-
-    depth_mm: tuple[float, ...]
-    x_mm: tuple[float, ...]
+    depth_mm: tuple[float, ...]  # beyond first touch on the pad's crown; <= 0 is no contact
+    x_mm: tuple[float, ...]  # the object's centre from the view's middle
     y_mm: tuple[float, ...]
     rotation_rad: tuple[float, ...]
+    # Travel (right, down) and turn in touch that ended at the first frame: the gel is sheared
+    # already. It shows in the gel's drift alone, and only friction carries it.
     pre_slide_mm: tuple[float, float] = (0.0, 0.0)
     pre_turn_rad: float = 0.0
 
@@ -140,15 +114,10 @@ class Mounting:
     """How the pad lies under the camera: what its crown, lights and markers share.
 
     Paths, labels and truth are in the camera's frame already; turning the camera turns both.
-
-    Args:
-        turn_rad: Turn of the pad in the image, positive clockwise: the camera's, the other way.
-        x_mm: The pad's middle to the right of the view's middle.
-        y_mm: The same downwards.
     """
 
-    turn_rad: float = 0.0
-    x_mm: float = 0.0
+    turn_rad: float = 0.0  # of the pad in the image: the camera's, the other way
+    x_mm: float = 0.0  # the pad's middle from the view's
     y_mm: float = 0.0
 
     def __post_init__(self) -> None:
@@ -164,19 +133,14 @@ CENTRED = Mounting()
 class Markers:
     """Dark dots printed on the gel's surface in a square grid; they go where the gel goes.
 
-    Args:
-        spacing_mm: Distance of neighbours; 1.9 to 2.0, and 2.8 on one of them, measured on five
-            recordings of GelSight Minis with markers.
-        diameter_mm: Width of a dot at half its darkness; 0.6 to 0.8 in the same recordings.
-        darkness: Share of the light that the middle of a dot swallows; 0.56 to 0.62 there.
-        x_mm: Offset of the grid to the right from the pad's middle.
-        y_mm: The same downwards.
+    Measured on five recordings of GelSight Minis with markers: 1.9 to 2.0 mm apart, and 2.8 on one
+    of them; 0.6 to 0.8 mm wide; 0.56 to 0.62 dark.
     """
 
     spacing_mm: float = 1.95
-    diameter_mm: float = 0.65
-    darkness: float = 0.6
-    x_mm: float = 0.0
+    diameter_mm: float = 0.65  # where a dot is half as dark
+    darkness: float = 0.6  # share of the light that the middle of a dot swallows
+    x_mm: float = 0.0  # the grid from the pad's middle
     y_mm: float = 0.0
 
     def __post_init__(self) -> None:
@@ -191,64 +155,39 @@ class VideoCodec:
 
     Measured on 25 recordings of 320 x 240: the noise of predicted frames is a third of that
     between two stored whole, and both are blotches that the channels share.
-
-    Args:
-        whole_grey: Standard deviation of the noise of a frame stored whole, R, G, B.
-        predicted_grey: The same of what each predicted frame adds.
-        frames_apart: Frames of the video between two of the clip; every twelfth is stored whole.
     """
 
+    # Standard deviations of R, G, B: of a frame stored whole, and what each predicted one adds.
     whole_grey: tuple[float, float, float] = (0.75, 0.64, 0.8)
     predicted_grey: tuple[float, float, float] = (0.27, 0.25, 0.27)
-    frames_apart: int = 1
+    frames_apart: int = 1  # frames of the video between two of the clip
 
 
 @dataclass(frozen=True)
 class Optics:
-    """Camera, coloured lights and noise; three-tuples are R, G, B.
+    """Camera, coloured lights and noise; three-tuples are R, G, B."""
 
-    Args:
-        mm_per_px_x: Width of one pixel of the 224-pixel image; 20.3 mm / 224 for GelSight Mini.
-        mm_per_px_y: Height of one pixel; 15.2 mm / 224.
-        light_turn_rad: Turn of each light's direction from the measured one, clockwise.
-        light_gain: Strength of the shading of each light relative to the measured one.
-        light_slope_x: Relative growth of each light's shading from the middle to the right border.
-        light_slope_y: The same towards the lower border.
-        common_light: Relative change of all channels per unit slope towards (right, down): stray
-            white light.
-        steep_darkening: Relative darkening of all channels on steep flanks, at slope 1.
-        saturation: Softness beta of steep slopes in A g / sqrt(1 + beta^2 |g|^2).
-        depth_gain: Relative brightening per mm of indentation.
-        shadow: Relative darkening behind steep flanks, per unit slope.
-        psf_mm: Gaussian blur of the camera and membrane.
-        noise_grey: Standard deviation of one frame's noise in grey levels.
-        drift_grey: Standard deviation of the brightness change between frames.
-        light_change: Relative change of the light between idle frame and clip.
-        jpeg_quality: Quality of frames stored as JPEG; None where they are not.
-        video: What a lossy video leaves of the noise, in place of `noise_grey`; None for none.
-        idle: Seed of the idle frame's field, specks and fixed pattern.
-        mounting: How the pad lies under the camera.
-        markers: Dots on the gel; None for a markerless one.
-    """
-
-    mm_per_px_x: float = 20.3 / 224
+    mm_per_px_x: float = 20.3 / 224  # a GelSight Mini's view
     mm_per_px_y: float = 15.2 / 224
+    # Turn (clockwise) and strength of each light's shading relative to the measured ones, and its
+    # relative growth from the middle to the right and to the lower border.
     light_turn_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
     light_gain: tuple[float, float, float] = (1.0, 1.0, 1.0)
     light_slope_x: tuple[float, float, float] = (0.0, 0.0, 0.0)
     light_slope_y: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    # Relative change of all channels per unit slope towards (right, down): stray white light.
     common_light: tuple[float, float] = (0.0, 0.0)
-    steep_darkening: float = 0.0
-    saturation: float = 1.0
-    depth_gain: tuple[float, float, float] = (0.066, 0.037, 0.083)
-    shadow: float = 0.0
-    psf_mm: float = 0.05
-    noise_grey: tuple[float, float, float] = (1.7, 1.24, 2.0)
-    drift_grey: float = 0.5
-    light_change: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    steep_darkening: float = 0.0  # of all channels, relative, at slope 1
+    saturation: float = 1.0  # beta in A g / sqrt(1 + beta^2 |g|^2), g the slope
+    depth_gain: tuple[float, float, float] = (0.066, 0.037, 0.083)  # relative, per mm
+    shadow: float = 0.0  # relative darkening behind steep flanks, per unit slope
+    psf_mm: float = 0.05  # Gaussian blur of camera and membrane
+    noise_grey: tuple[float, float, float] = (1.7, 1.24, 2.0)  # one frame's standard deviation
+    drift_grey: float = 0.5  # standard deviation of the brightness from frame to frame
+    light_change: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from idle frame to clip, relative
     jpeg_quality: int | None = None
-    video: VideoCodec | None = None
-    idle: int = 0
+    video: VideoCodec | None = None  # noise in place of `noise_grey`
+    idle: int = 0  # seed of the idle frame's field, specks and fixed pattern
     mounting: Mounting = CENTRED
     markers: Markers | None = None
 
@@ -260,21 +199,13 @@ class Optics:
 
 @dataclass(frozen=True)
 class Scene:
-    """One clip to simulate.
-
-    Args:
-        body: What touches.
-        path: How it moves.
-        motion: The one of ten names that the path was drawn for, or that fits it best.
-        gel: The pad.
-        optics: Camera and lights.
-        dominance: How many times longer than the other's the path of the named turn or slide must
-            be at the contact for the name to be true of the clip.
-    """
+    """One clip to simulate; the motion is what the path was drawn for, or what fits it best."""
 
     body: Body
     path: Path
     motion: Motion
     gel: Gel = Gel()
     optics: Optics = Optics()
+    # How many times longer than the other's the path of the named turn or slide must be at the
+    # contact for the name to be true of the clip.
     dominance: float = 1.0

@@ -39,18 +39,11 @@ HeightFormula = Callable[[HeightMap, HeightMap, np.random.Generator], HeightMap]
 
 @dataclass(frozen=True)
 class Indenter:
-    """One kind of body.
-
-    Args:
-        height: Its formula.
-        is_axisymmetric: Its bare form looks the same after any turn about its middle, so that only
-            texture or an eccentric axis shows a rotation.
-        is_extended: It goes on beyond the sampled square.
-    """
+    """One kind of body."""
 
     height: HeightFormula
-    is_axisymmetric: bool = False
-    is_extended: bool = False
+    is_axisymmetric: bool = False  # only texture or an eccentric axis shows a turn of its bare form
+    is_extended: bool = False  # it goes on beyond the sampled square
 
 
 @cache
@@ -172,11 +165,8 @@ MOST_SAMPLES = 8192
 def read_height_map(path: Path, mm_per_px: float, *, relief_mm: float = 1.0) -> Indenter:
     """Read a user's own body from a file; bad sizes and files are `UsageError`s.
 
-    Args:
-        path: A .npy of heights in mm, shape (rows, columns), NaN where there is no object; or a
-            grey .png of 8 or 16 bit, black lowest and white `relief_mm` above.
-        mm_per_px: Size of one sample.
-        relief_mm: Height of white above black in a .png.
+    The file is a .npy of heights in mm, shape (rows, columns), NaN where there is no object; or a
+    grey .png of 8 or 16 bit, black lowest and white `relief_mm` above.
     """
     height = _read_npy(path) if path.suffix.lower() == ".npy" else _read_png(path, relief_mm)
     return height_map_indenter(height, mm_per_px, name=str(path))
@@ -187,18 +177,14 @@ def height_map_indenter(
 ) -> Indenter:
     """Return the body of a height map, seen as the camera sees it: columns right, rows down.
 
-    Args:
-        height_mm: Shape (rows, columns), higher is nearer to the gel; NaN where no object is.
-        mm_per_px: Size of one sample.
-        name: What errors call it.
+    Higher is nearer to the gel; NaN where no object is. Errors call it `name`.
     """
     _check_map(height_mm, mm_per_px, name)
     solid = np.isfinite(height_mm)
     below = np.where(solid, float(height_mm[solid].max()) - height_mm, np.nan).astype(np.float32)
     # Steps of the map's border and holes become walls, like those of the built-in outlines.
-    away = (
-        cv2.distanceTransform((~solid).astype(np.uint8), cv2.DIST_L2, 5) if not solid.all() else 0
-    )
+    hollow = (~solid).astype(np.uint8)
+    away = cv2.distanceTransform(hollow, cv2.DIST_L2, 5) if hollow.any() else 0
     floor = np.float32(np.nanmax(below))
     below = np.where(solid, below, floor + np.float32(WALL_SLOPE * mm_per_px) * away)
     rows, columns = below.shape

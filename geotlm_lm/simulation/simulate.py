@@ -44,34 +44,20 @@ SERIES_VERSION = 9
 
 @dataclass(frozen=True, eq=False)
 class SimulatedClip:
-    """A clip and the truth about it.
+    """A clip and the truth about it; fields are (frames, 14, 14), vectors (frames, 14, 14, 2)."""
 
-    Args:
-        clip: Four (or the path's number of) frames of 224x224 and their idle frame; None where only
-            labels and true fields were asked for.
-        trace_until: Frame number -> what there is to see of the motion since the first frame,
-            worked out when asked for.
-        scene: What was simulated.
-        displacement_px: float32 (frames, 14, 14, 2), the object's travel since frame 0 at each
-            patch centre in pixels of the image (x right, y down), 0 without contact.
-        contact: float32 (frames, 14, 14), share of each patch in contact.
-        depth_mm: float32 (frames, 14, 14), mean indentation of the surface.
-        drift_px: float32 (frames, 14, 14, 2), mean tangential displacement of the gel's surface
-            from rest in pixels (x right, y down); None where it was not asked for.
-        status: The contact solver's account.
-        timing_ms: Milliseconds of each stage that ran, in order; a stage that is missing was not
-            needed.
-    """
-
-    clip: Clip | None
+    clip: Clip | None  # None where only labels and true fields were asked for
+    # Frame number -> what there is to see of the motion since the first, worked out when asked for.
     trace_until: Callable[[int], Trace]
     scene: Scene
+    # The object's travel since frame 0 at each patch's centre, pixels of the image; 0 out of touch.
     displacement_px: NDArray[np.float32]
-    contact: NDArray[np.float32]
-    depth_mm: NDArray[np.float32]
+    contact: NDArray[np.float32]  # share of each patch
+    depth_mm: NDArray[np.float32]  # mean indentation
+    # Mean tangential displacement of the gel's surface from rest; None where not asked for.
     drift_px: NDArray[np.float32] | None
     status: SolverStatus
-    timing_ms: dict[str, float]
+    timing_ms: dict[str, float]  # of each stage that ran, in order
 
     @property
     def object_name(self) -> str:

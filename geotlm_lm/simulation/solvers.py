@@ -46,26 +46,19 @@ LEAST_INCREMENT_MM = 1e-6
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard a step is solved.
-
-    Args:
-        normal_rounds: Iteration budgets of the normal problem.
-        friction_iterations: Steps of the frictional problem, at most.
-        passes: Alternations of the two problems, at least; on a pad as thick as a GelSight's a
-            third changes the height by 1 um at most.
-        most_passes: Alternations at most, spent while drag lifts the surface off its solution: thin
-            incompressible layers couple strongly.
-        penetration_um: Penetration at which the normal problem is solved.
-        enough_um: Penetration at which a budget of the normal problem is not spent any further; the
-            grid's own error is larger (1 to 34 um RMS from `fast` to `draft`, measured).
-        gradient_share: Projected gradient at which the frictional problem is solved.
-    """
+    """How hard a step is solved: budgets, and the residuals that end them."""
 
     normal_rounds: Sequence[int] = ROUNDS
     friction_iterations: int = 400
+    # Alternations of the two problems, at least; on a pad as thick as a GelSight's a third changes
+    # the height by 1 um at most.
     passes: int = 2
+    # At most, spent while drag lifts the surface off its solution: thin incompressible layers
+    # couple strongly.
     most_passes: int = 24
     penetration_um: float = PENETRATION_LIMIT_UM
+    # Where a budget of the normal problem is not spent any further; the grid's own error is larger
+    # (1 to 34 um RMS from `fast` to `draft`, measured).
     enough_um: float = 0.0
     gradient_share: float = 1e-4
 
@@ -75,32 +68,17 @@ Response = LayerOperator | HalfSpaceOperator
 
 @dataclass(frozen=True)
 class SolverStatus:
-    """How well a clip's contact problem was solved.
+    """How well a clip's contact problem was solved; iterations are those of the hardest frame."""
 
-    Args:
-        penetration_um: Largest overlap left in any frame, or gap under a cell that presses.
-        iterations: Conjugate-gradient steps spent on the hardest frame.
-        is_converged: Whether every residual is acceptable; running out of steps is not.
-        preset: The preset that gave the result, the one asked for or a harder one; empty for a
-            problem solved outside of any.
-        gradient_share: Projected gradient of the frictional problem relative to the increment.
-        cone_excess: How far a traction leaves its friction disc, relative to the widest one.
-        friction_iterations: Steps spent on the hardest increment with friction.
-        dissipated_share: Work turned into heat by slip, relative to all the work put in; never
-            below 0 but for the time steps' error.
-        increments: Increments marched through with friction: as many as frames where every step
-            is small; 0 without friction, where frames do not depend on each other.
-    """
-
-    penetration_um: float
+    penetration_um: float  # largest overlap left, or gap under a cell that presses
     iterations: int
-    is_converged: bool
-    preset: str = ""
-    gradient_share: float = 0.0
-    cone_excess: float = 0.0
+    is_converged: bool  # every residual is acceptable; running out of steps is not
+    preset: str = ""  # the one that gave the result, as asked for or harder
+    gradient_share: float = 0.0  # projected gradient of friction relative to the increment
+    cone_excess: float = 0.0  # of a traction over its friction disc, relative to the widest
     friction_iterations: int = 0
-    dissipated_share: float = 0.0
-    increments: int = 0
+    dissipated_share: float = 0.0  # of the work; below 0 by the time steps' error alone
+    increments: int = 0  # marched through with friction; as many as frames if every step is small
 
 
 @dataclass(frozen=True)
@@ -118,12 +96,9 @@ def solve_normal_contact(
 ) -> Pressed:
     """Press every sample without friction; exact zeros where nothing overlaps.
 
-    Args:
-        overlap_mm: delta - f, (n, side, side); very negative outside the object. Less the bulge of
-            tangential tractions, where there are any.
-        response: The elastic body.
-        effort: Later rounds are spent only where the penetration is too large.
-        guess: Pressure to start from; by default one made from the overlap.
+    The overlap is delta - f, (n, side, side), very negative outside the object, less the bulge of
+    tangential tractions. Later rounds are spent only where the penetration is too large. `guess`
+    is the pressure to start from; by default one made from the overlap.
     """
     pressure, indentation = torch.zeros_like(overlap_mm), torch.zeros_like(overlap_mm)
     penetration = overlap_mm.new_zeros(len(overlap_mm))
@@ -228,13 +203,9 @@ def solve_friction(
     increment asks for, or to what the discs allow where that is less: otherwise a small increment
     after a large one, or little friction, would count as solved before the first step.
 
-    Args:
-        target_mm: b, the tangential displacement under which a sticking cell moves with the object,
-            (n, 2, side, side), from tangential tractions alone.
-        limit: mu p >= 0, (n, side, side); infinity under unlimited friction is not allowed.
-        response: The elastic body.
-        effort: Most steps, and the gradient share at which all samples are solved.
-        guess: Tractions to start from.
+    The target b is the tangential displacement under which a sticking cell moves with the object,
+    (n, 2, side, side), from tangential tractions alone. The limit is mu p >= 0, (n, side, side);
+    infinity under unlimited friction is not allowed. `guess` are the tractions to start from.
     """
     natural = 1.0 / response.shear_diagonal
     touched = (limit > 0)[:, None]
@@ -316,13 +287,9 @@ def march(
 ) -> Iterator[Step]:
     """Yield the gel after each increment, starting from a gel at rest.
 
-    Args:
-        increments: In order: approach less the object's profile at its new pose, (n, side, side),
-            and the object's travel over each cell since the increment before, i.e.
-            (R(turn) - I)(x - old centre) + shift, (n, 2, side, side).
-        response: The elastic body.
-        effort: How hard each step is solved.
-        friction_coefficient: mu >= 0.
+    An increment is the approach less the object's profile at its new pose, (n, side, side), and the
+    object's travel over each cell since the one before, i.e. (R(turn) - I)(x - old centre) + shift,
+    (n, 2, side, side).
     """
     rest = torch.zeros_like(increments[0][0])
     plane, none = rest[:, None].expand(-1, 2, -1, -1), rest.new_zeros(len(rest))

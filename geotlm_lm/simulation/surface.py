@@ -44,15 +44,11 @@ TOUCH_TOLERANCE_MM = 0.020
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """The gel's surface in every frame.
+    """The gel's surface in every frame, (frames, 224, 224).
 
-    Args:
-        indentation_mm: float32 (frames, 224, 224); smoothed by the coat where nothing touches, and
-            late to rise where the gel lags.
-        touches: bool (frames, 224, 224), where the object is against the gel.
-        drift_mm: Tangential displacement of the surface from rest, float32 (frames, 2, 224, 224), x
-            before y; None where it was not asked for.
-        status: The solver's account.
+    The indentation is smoothed by the coat where nothing touches, and late to rise where the gel
+    lags. The drift, (frames, 2, 224, 224), x before y, is the tangential displacement from rest;
+    None where it was not asked for.
     """
 
     indentation_mm: NDArray[np.float32]
@@ -103,7 +99,7 @@ def pressed_surface(
     with timed(timing_ms, "frictional_contact" if drags else "normal_contact"):
         contact = solve_contact(scene, profile, preset, with_drift=with_drift)
     cells = contact.indentation_mm.shape[-1]
-    is_smooth = holds_detail(scene, profile, preset, cells)
+    is_smooth = holds_detail(scene, profile, cells)
     with timed(timing_ms, "interpolation"):
         solved, surface = _interpolated(scene, contact, with_gap=is_smooth)
     if not is_smooth:

@@ -27,36 +27,21 @@ from geotlm_lm.simulation.truth import Contact, contact_of
 class Touch:
     """What is pressed how, and what it does in the four frames: turn, slide and press at once.
 
-    An unknown shape, or a number outside its range, is a `UsageError`.
-
-    Args:
-        object_name: A built-in shape, or any name beside an `indenter`.
-        depth_mm: Approach beyond first touch half-way; 0 or less is no contact.
-        twist_deg: Turn, positive clockwise in the image.
-        slide_x_mm: Travel to the right.
-        slide_y_mm: Travel down the image.
-        press_mm: Approach into the gel from the first frame to the last; negative lifts.
-        pivot_x_mm: Where the axis of the turn lies to the right of the middle of the contact, in
-            the last frame.
-        pivot_y_mm: The same below it.
-        thickness_mm: Of the gel.
-        friction: Coulomb's coefficient; felt in the drift of the gel's surface.
-        seed: Of the noise and of the idle gel.
-        indenter: A shape of one's own.
-        is_marked: Whether dots are printed on the gel.
+    Turn is positive clockwise in the image, x right, y down. An unknown shape, or a number outside
+    its range, is a `UsageError`.
     """
 
-    object_name: str = "key"
-    depth_mm: float = 0.6
+    object_name: str = "key"  # a built-in shape's, or any beside an `indenter`
+    depth_mm: float = 0.6  # beyond first touch, half-way; 0 or less is no contact
     twist_deg: float = 0.0
     slide_x_mm: float = 0.0
     slide_y_mm: float = 0.0
-    press_mm: float = 0.0
-    pivot_x_mm: float = 0.0
+    press_mm: float = 0.0  # into the gel from the first frame to the last; negative lifts
+    pivot_x_mm: float = 0.0  # the axis of the turn from the contact's middle in the last frame
     pivot_y_mm: float = 0.0
     thickness_mm: float = 4.0
-    friction: float = 1.0
-    seed: int = 0
+    friction: float = 1.0  # felt in the drift of the gel's surface
+    seed: int = 0  # of the noise and of the idle gel
     indenter: Indenter | None = None
     is_marked: bool = False
 
@@ -147,10 +132,7 @@ def require_in_range(name: str, value: float, called: str | None = None) -> None
 def simulate_touch(
     touch: Touch, *, preset: PresetName = "fast", with_drift: bool = True
 ) -> SimulatedClip:
-    """Return the clip of a touch, its label and its true fields.
-
-    The gel's drift is among these if it is wanted; nothing drifts that is not touched.
-    """
+    """Return the clip of a touch with its truth; nothing drifts that is not touched."""
     scene = touch.scene()
     drifts = with_drift and max(scene.path.depth_mm) > 0
     return simulate([scene], seed=touch.seed, preset=preset, with_drift=drifts)[0]

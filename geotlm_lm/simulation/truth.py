@@ -52,23 +52,14 @@ border."""
 
 @dataclass(frozen=True)
 class Trace:
-    """What there is to see of a motion between the first frame and a later one.
+    """What there is to see of a motion between the first frame and a later one."""
 
-    Args:
-        change_grey: RMS change of the noise-free image over the contact, grey levels.
-        turn_mm: Path of the object by turning, at the contact's radius of gyration.
-        slide_mm: Travel of the object at the contact's centre.
-        travel_px: The same to the right and down, pixels of the 224-pixel image.
-        radius_px: Radius of gyration of the contact, likewise.
-        visible_grey: What only turn, slide and press can have changed (`visible_change`).
-    """
-
-    change_grey: float = 0.0
-    turn_mm: float = 0.0
-    slide_mm: float = 0.0
-    travel_px: tuple[float, float] = (0.0, 0.0)
-    radius_px: float = 0.0
-    visible_grey: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    change_grey: float = 0.0  # RMS of the noise-free image over the contact
+    turn_mm: float = 0.0  # path by turning, at the contact's radius of gyration
+    slide_mm: float = 0.0  # travel at the contact's centre
+    travel_px: tuple[float, float] = (0.0, 0.0)  # the same right and down, of the 224-pixel image
+    radius_px: float = 0.0  # of gyration
+    visible_grey: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of `visible_change`
 
     def shows(self, motion: Motion, dominance: float = 1.0) -> bool:
         """Tell whether a camera could see `motion`, and whether it is so many times the greater.
@@ -180,9 +171,8 @@ def image_change(first: Floats, last: Floats, where: NDArray[np.bool_]) -> float
         return 0.0
     mask = where.view(np.uint8)
     # Norms under a mask cost a sixth of picking the pixels out.
-    squares = sum(
-        cv2.norm(*planes, cv2.NORM_L2SQR, mask) for planes in zip(first, last, strict=True)
-    )
+    pairs = zip(first, last, strict=True)
+    squares = sum(cv2.norm(*planes, cv2.NORM_L2SQR, mask) for planes in pairs)
     return float(np.sqrt(squares / (len(first) * np.count_nonzero(where))))
 
 
@@ -210,11 +200,7 @@ def label_for(
 
 
 def twist_of(label: MotionLabel) -> Twist:
-    """Return the motion with all its components of a simulated clip's label.
-
-    Raises:
-        ValueError: If the label has no travel of the contact: recordings' labels have none.
-    """
+    """Return the motion with all its components; recordings' labels hold none: a ValueError."""
     if label.travel_px is None:
         raise ValueError("a label without the travel of the contact tells no twist")
     return Twist(label.rotation_deg, *label.travel_px, label.depth_change_mm)
@@ -222,17 +208,11 @@ def twist_of(label: MotionLabel) -> Twist:
 
 @dataclass(frozen=True)
 class ComponentTruth:
-    """What is true of one component of a clip's motion.
+    """What is true of one component of a clip's motion."""
 
-    Args:
-        way: Name nearest to its direction.
-        counts: Whether it counts; None where that is ambiguous.
-        is_visible: Whether it alone can have changed the picture by more than noise does.
-    """
-
-    way: Motion
-    counts: bool | None
-    is_visible: bool
+    way: Motion  # nearest to its direction
+    counts: bool | None  # None where that is ambiguous
+    is_visible: bool  # it alone can have changed the picture by more than noise does
 
 
 def components_of(label: MotionLabel) -> dict[Component, ComponentTruth]:
@@ -290,11 +270,7 @@ def patch_displacement(scene: Scene, contact: NDArray[np.floating]) -> NDArray[n
 
 
 def visible_change(
-    scene: Scene,
-    profile: Profile,
-    frame: int,
-    contact: Contact,
-    twist: Twist,
+    scene: Scene, profile: Profile, frame: int, contact: Contact, twist: Twist
 ) -> tuple[float, float, float]:
     """Return how much of the picture's change only turn, slide and press can have made.
 

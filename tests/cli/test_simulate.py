@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 from geotlm_lm.recordings.read import read_clip
-from geotlm_lm.runs.run import Workers
-from geotlm_lm.simulation import dataset
 from tests.cli import running
 
 
@@ -26,6 +24,12 @@ def run_clip(capsys):
 def label_in(path):
     with np.load(path) as stored:
         return json.loads(str(stored["label"]))
+
+
+def twist_in(path):
+    label = label_in(path)
+    travel_mm = np.multiply(label["travel_px"], label["mm_per_px"])
+    return label["rotation_deg"], *travel_mm, label["depth_change_mm"]
 
 
 def test_a_simulated_clip_is_a_readable_recording_with_its_label(tmp_path, run, run_clip):
@@ -47,20 +51,13 @@ def test_a_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(tmp
     assert run_clip(tmp_path / "a.npz", *moves)[0] == 0
     pivot = ("--turn", -20, "--pivot-right", 3, "--depth", 0.8, "--markers", "--object", "coin")
     assert run_clip(tmp_path / "b.npz", *pivot)[0] == 0
-    labels = [label_in(tmp_path / name) for name in ("a.npz", "b.npz")]
-    twists = [
-        (
-            label["rotation_deg"],
-            *np.multiply(label["travel_px"], label["mm_per_px"]),
-            label["depth_change_mm"],
-        )
-        for label in labels
-    ]
-    assert twists[0] == pytest.approx((20, 0.8, -0.2, 0.1), abs=0.02)
+    plain, marked = (np.load(tmp_path / name)["background"] for name in ("a.npz", "b.npz"))
+    assert (marked < plain).mean() > 0.03
+    assert twist_in(tmp_path / "a.npz") == pytest.approx((20, 0.8, -0.2, 0.1), abs=0.02)
     # Counterclockwise about an axis to its right, level with it in the end: down and to the left.
     angle = np.radians(20)
     expected = (-20, 3 * np.cos(angle) - 3, 3 * np.sin(angle), 0)
-    assert twists[1] == pytest.approx(expected, abs=0.03)
+    assert twist_in(tmp_path / "b.npz") == pytest.approx(expected, abs=0.03)
 
 
 @pytest.mark.parametrize(
@@ -68,11 +65,9 @@ def test_a_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(tmp
     [
         (("--turn", 20, "--motion", "left"), "--turn cannot go with --motion; leave out"),
         (("--turn", 61), "--turn is 61, expected -60 to 60."),
-        (("--turn", "nan"), "--turn is nan, expected -60 to 60."),
         (("--press", 2, "--depth", 1), "A press by 2 mm about a depth of 1 mm goes from 0 to 2 mm"),
         (("--pivot-down", 1, "--press", 0.3), "--pivot-right and --pivot-down say where the axis"),
         (("--mixed", 0.5), "No such option: --mixed"),
-        (("--labels-only",), "No such option: --labels-only"),
         (("--object", "unicorn"), "There is no shape 'unicorn', expected one of arc, "),
         (("--object", ""), "There is no shape '', expected one of arc, "),
         (("--mm-per-px", 0.1), "--mm-per-px and --relief-mm say how to read a --height-map"),
@@ -115,15 +110,7 @@ def test_a_height_map_of_ones_own_is_pressed(tmp_path, run_clip):
     path, mine = tmp_path / "clip.npz", ("--height-map", tmp_path / "star.npy")
     assert run_clip(path, *mine, "--mm-per-px", 0.1, "--drift")[0] == 0
     assert label_in(path)["object"] == "star"
-    assert np.load(path)["drift_px"].shape == (4, 14, 14, 2)
-
-
-def test_markers_are_printed_on_the_same_touch(tmp_path, run_clip):
-    for name, options in (("bare.npz", ()), ("marked.npz", ("--markers",))):
-        run_clip(tmp_path / name, "--preset", "draft", "--drift", *options)
-    bare, marked = (np.load(tmp_path / name) for name in ("bare.npz", "marked.npz"))
-    assert str(bare["label"]) == str(marked["label"])
-    assert (marked["background"] < bare["background"]).mean() > 0.03
+    assert np.abs(np.load(path)["drift_px"]).max() > 1
 
 
 def test_a_data_set_is_written_with_its_card_and_progress_on_the_side(tmp_path, run):
@@ -155,15 +142,3 @@ def test_the_card_of_a_data_set_replaces_no_other_file(tmp_path, run):
     assert code == 2
     assert "has a README.md of something else" in printed
     assert (tmp_path / "README.md").read_text() == "about my project"
-
-
-def test_who_simulates_is_handed_on(tmp_path, run, monkeypatch):
-    asked = []
-
-    def write_dataset(out, count, *, workers, **_):
-        asked.append(workers)
-
-    monkeypatch.setattr(dataset, "write_dataset", write_dataset)
-    run("--out", tmp_path)
-    run("--out", tmp_path, "--workers", 2)
-    assert asked == [Workers(None), Workers(2)]

@@ -85,17 +85,9 @@ def test_a_folder_that_says_nothing_of_mixed_clips_has_none_and_is_continued(tmp
 @pytest.mark.parametrize(
     ("other", "says"),
     [
-        *(
-            ({name: value}, "holds another data set .* other objects or settings")
-            for name, value in (
-                ("seed", 2),
-                ("preset", "good"),
-                ("marker_share", 1.0),
-                ("mixed_share", 0.5),
-                ("with_frames", False),
-                ("form", "huggingface"),
-            )
-        ),
+        ({"seed": 2}, "holds another data set .* other objects or settings"),
+        ({"with_frames": False}, "holds another data set .* other objects or settings"),
+        ({"form": "huggingface"}, "holds another data set .* other objects or settings"),
         ({"count": 2}, "was made for 7 clips, 2 were asked for; ask for at least as many, or"),
         ({"objects": ()}, "found 7 clips of 0 objects; ask for some"),
     ],

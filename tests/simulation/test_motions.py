@@ -103,10 +103,6 @@ def test_the_middle_of_the_contact_does_what_was_asked(turn, right, down, inward
     path = path_of(**asked, contact_mm=contact)
     middle = path.x_mm[-1] + contact[0], path.y_mm[-1] + contact[1]
     assert carried(path, *middle) == pytest.approx((turn, right, down, inward), abs=1e-9)
-    mirrored = {**asked, "turn_deg": -turn, "right_mm": -right}
-    other = path_of(**mirrored, contact_mm=(-contact[0], contact[1]))
-    assert other.x_mm == pytest.approx([-x for x in path.x_mm])
-    assert other.y_mm == pytest.approx(path.y_mm)
 
 
 @given(turn=degrees, right=lengths, down=lengths, pivot=places, contact=places)

@@ -76,12 +76,6 @@ def test_bright_light_saturates_instead_of_wrapping():
     assert image.min() == 255
 
 
-def test_a_lossy_recording_keeps_its_colours():
-    base = GREY * np.array([0.5, 1.0, 1.5], np.float32)[:, None, None]
-    image = recorded(base, Optics(jpeg_quality=60), generator_for(0, "noise"))
-    assert image.reshape(-1, 3).mean(axis=0) == pytest.approx((50, 100, 150), abs=1.5)
-
-
 DOTS = Markers()
 MARKED = Optics(markers=DOTS, noise_grey=(0.0,) * 3, drift_grey=0.0)
 UNLIT = replace(MARKED, light_gain=(0.0,) * 3, depth_gain=(0.0,) * 3)
@@ -101,7 +95,6 @@ def centroids(dark, near_px, reach=10):
 
 
 def between_pixels(field, points):
-    """Return a field (2, 224, 224) at points (2, n): bilinear, by OpenCV."""
     x, y = points.astype(np.float32)[:, None]
     planes = [cv2.remap(plane.astype(np.float32), x, y, cv2.INTER_LINEAR) for plane in field]
     return np.concatenate(planes)

@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
+from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.simulation.camera import MEASURED_IDLE
 from geotlm_lm.simulation.motions import path_of
 from geotlm_lm.simulation.optics import lit
-from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.scene import Body, Gel, Optics, Path, Scene
 from geotlm_lm.simulation.shapes import Indenter
 from geotlm_lm.simulation.simulate import simulate
@@ -32,16 +31,6 @@ TOUCHED = np.ones((2, 14, 14), np.float32)
 def scene(**path):
     still = {"depth_mm": (0.5, 0.5), "x_mm": (0, 0), "y_mm": (0, 0), "rotation_rad": (0, 0)}
     return Scene(Body("block"), Path(**still | path), Motion.STILL, optics=Optics(0.1, 0.05))
-
-
-def test_a_slide_moves_every_touched_patch_by_its_pixels():
-    contact = TOUCHED.copy()
-    contact[1, 3] = 0
-    moved = patch_displacement(scene(x_mm=(0.0, 1.0), y_mm=(0.0, -0.5)), contact)
-    assert not moved[0].any()
-    assert not moved[1, 3].any()
-    others = np.delete(moved[1], 3, axis=0).reshape(-1, 2)
-    assert others == pytest.approx(np.tile([10.0, -10.0], (182, 1)), abs=1e-4)
 
 
 def test_a_patch_moves_as_the_rotation_matrix_says():
@@ -114,18 +103,6 @@ def test_a_contact_beside_the_middle_is_carried_as_the_rotation_matrix_says(turn
     back = np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
     assert moved == pytest.approx(here - first - back @ (here - last), abs=1e-3)
     assert arc == pytest.approx(turn * np.hypot(2, 3) / 12**0.5, rel=1e-3)
-
-
-def test_the_estimated_change_is_near_the_pictures():
-    scenes = random_scenes(2, 12, objects=("hex_nut", "letter_l"), motions=DIRECTED)
-    whole, bare = (simulate(scenes, seed=2, with_frames=wanted) for wanted in (True, False))
-    ratios = [
-        estimated.trace_until(3).change_grey / drawn.trace_until(3).change_grey
-        for drawn, estimated in zip(whole, bare, strict=True)
-    ]
-    assert 0.8 < np.median(ratios) < 1.25
-    assert min(ratios) > 0.5
-    assert max(ratios) < 2.2
 
 
 @pytest.mark.parametrize("slope", [(0.5, 0.0), (0.3, -0.6), (-1.0, 0.2)])
