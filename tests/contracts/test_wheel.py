@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-CHECKOUT = pytest.mark.skipif(
-    not (ROOT / "pyproject.toml").exists(), reason="needs the checkout's pyproject.toml"
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not (ROOT / "pyproject.toml").exists(), reason="needs the checkout"),
+]
 
 
 @pytest.fixture(scope="module")
@@ -41,8 +42,6 @@ def run_in_empty_folder(installed, tmp_path, *arguments):
     )
 
 
-@pytest.mark.slow
-@CHECKOUT
 def test_nothing_but_the_package_lands_at_the_top(wheel):
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
@@ -51,8 +50,6 @@ def test_nothing_but_the_package_lands_at_the_top(wheel):
     assert "geotlm_lm/answering/answer.schema.json" in names
 
 
-@pytest.mark.slow
-@CHECKOUT
 @pytest.mark.parametrize("folder", ["prompts", "data_templates", "app", "bundle"])
 def test_every_resource_is_found_inside_the_installed_package(installed, tmp_path, folder):
     if folder == "bundle" and not (ROOT / "geotlm_lm" / "bundle").is_dir():
@@ -62,8 +59,6 @@ def test_every_resource_is_found_inside_the_installed_package(installed, tmp_pat
     assert done.stdout.strip() == str(installed / "geotlm_lm" / folder), done.stderr
 
 
-@pytest.mark.slow
-@CHECKOUT
 def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_path):
     with zipfile.ZipFile(wheel) as archive:
         names = [name for name in archive.namelist() if "/data_templates/" in name]
@@ -77,17 +72,11 @@ def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_p
     )
 
 
-@pytest.mark.slow
-@CHECKOUT
 @pytest.mark.skipif(not (ROOT / "geotlm_lm" / "bundle").is_dir(), reason="needs the trained bundle")
 def test_the_installed_command_answers_in_an_empty_folder(installed, tmp_path):
-    made = run_in_empty_folder(
-        installed, tmp_path, "-m", "geotlm_lm", "simulate", "--clip", "clip.npz"
-    )
-    assert made.returncode == 0, made.stderr
     question = ["--q", "Which way is it turning?"]
-    done = run_in_empty_folder(
-        installed, tmp_path, "-m", "geotlm_lm", "answer", "--clip", "clip.npz", *question
-    )
-    assert done.returncode == 0, done.stderr
+    for command in (["simulate"], ["answer", *question]):
+        words = ["-m", "geotlm_lm", *command, "--clip", "clip.npz"]
+        done = run_in_empty_folder(installed, tmp_path, *words)
+        assert done.returncode == 0, done.stderr
     assert len(done.stdout.splitlines()) == 1

@@ -104,9 +104,6 @@ def test_a_broken_template_says_what_is_wrong(folder, name, old, new, message):
         load_templates(folder)
     assert message in str(caught.value)
     assert str(folder) in str(caught.value)
-
-
-def test_a_missing_file_says_restore_it(folder):
     (folder / "slots.toml").unlink()
     with pytest.raises(UnreadableTemplate, match="restore it"):
         load_templates(folder)
