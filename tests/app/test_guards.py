@@ -12,10 +12,10 @@ from http.client import HTTPConnection
 from itertools import product
 from urllib.parse import urlsplit
 
-import httpx
 import numpy as np
 import pytest
 
+httpx = pytest.importorskip("httpx", reason="asking the page needs httpx (extra: app)")
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
 

@@ -303,6 +303,7 @@ def opened(address, until_s=60):
 
 
 def test_serve_shows_what_would_be_written(capsys, path, tmp_path, monkeypatch):
+    pytest.importorskip("rerun", reason="needs rerun-sdk, of the extra rerun")
     seen = []
 
     @contextmanager

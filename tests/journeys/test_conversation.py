@@ -71,10 +71,12 @@ def test_a_talk_that_nobody_reads_on_ends_silently():
         stderr=subprocess.PIPE,
         env=os.environ | {"OMP_NUM_THREADS": "1"},
     )
-    talking.stdin.write(b"Which way is it sliding?\nHow far?\n")
-    talking.stdin.close()
+    talking.stdin.write(b"Which way is it sliding?\n")
+    talking.stdin.flush()
     assert talking.stdout.read(3) == b"It "
     talking.stdout.close()
+    talking.stdin.write(b"How far?\n")
+    talking.stdin.close()
     told = talking.stderr.read().decode().splitlines()
     assert [line for line in told if not line.startswith("note: ")] == []
     assert talking.wait() == 1
