@@ -72,7 +72,7 @@ class Calibration:
         likelihoods = np.exp(scaled - scaled.max(axis=-1, keepdims=True))
         return likelihoods / likelihoods.sum(axis=-1, keepdims=True)
 
-    def felt(
+    def slot_probabilities(
         self, log_likelihoods: NDArray[np.floating], *, doubt: float = 1.0
     ) -> NDArray[np.float64]:
         """Return the same of the words at a slot."""
@@ -99,14 +99,14 @@ class Bundle:
 
     def digest(self) -> str:
         """Return twelve hex digits of the weights and the calibration, for run records."""
-        found = hashlib.sha256(repr(self.calibration).encode())
+        digest = hashlib.sha256(repr(self.calibration).encode())
         states = _perception_states(self) | {"language": self.speaker.model.state_dict()}
         states |= {"reader": self.reader.model.state_dict()}
         for part, state in states.items():
             for name, value in state.items():
-                found.update(f"{part}.{name}".encode())
-                found.update(_bytes_of(value))
-        return found.hexdigest()[:12]
+                digest.update(f"{part}.{name}".encode())
+                digest.update(_bytes_of(value))
+        return digest.hexdigest()[:12]
 
 
 def reading_of(fused_token: Tensor, beliefs: Beliefs) -> Tensor:
@@ -225,11 +225,11 @@ def read_config(folder: Path) -> dict[str, Any]:
         raise IncompatibleBundle(
             f"{path}: is not JSON ({error}); copy the bundle again."
         ) from error
-    found = config.get("format") if isinstance(config, dict) else None
-    if found != BUNDLE_FORMAT:
+    bundle_format = config.get("format") if isinstance(config, dict) else None
+    if bundle_format != BUNDLE_FORMAT:
         raise IncompatibleBundle(
-            f"{folder}: the bundle has format {found}, this version reads {BUNDLE_FORMAT}; train "
-            f"it again or install the matching geotlm-lm."
+            f"{folder}: the bundle has format {bundle_format}, this version reads "
+            f"{BUNDLE_FORMAT}; train it again or install the matching geotlm-lm."
         )
     return config
 

@@ -115,8 +115,8 @@ class _Level:
     @cached_property
     def jacobian(self) -> Floats:
         """Change of each pixel compared with turn (at `lever_px`), right, down, gain, offset."""
-        right, down = (one.ravel()[self.compared] for one in self._gradients)
-        x, y = (one[self.compared] for one in _places(*self.image.shape))
+        right, down = (field.ravel()[self.compared] for field in self._gradients)
+        x, y = (axis[self.compared] for axis in _places(*self.image.shape))
         jacobian = np.empty((5, len(right)), np.float32)
         jacobian[0] = (down * x - right * y) * np.float32(1 / self.lever_px)
         jacobian[1], jacobian[2], jacobian[3] = right, down, self.values

@@ -43,7 +43,9 @@ def search(before: Floats, after: Floats) -> Rigid:
     """
     shrink = SEARCHED_WIDTH / max(before.shape)
     size = [max(round(side * shrink), 1) for side in before.shape[::-1]]
-    before, after = (cv2.resize(one, size, interpolation=cv2.INTER_AREA) for one in (before, after))
+    before, after = (
+        cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (before, after)
+    )
     columns, rows = size
     x, y = (columns - 1) / 2, (rows - 1) / 2
     turned = np.zeros((len(TURNS_RAD), _PADDED, _PADDED), np.float32)
@@ -61,7 +63,7 @@ def search(before: Floats, after: Floats) -> Rigid:
     turn, down, right = np.unravel_index(score.argmax(), score.shape)
     # The transform is periodic: shifts beyond half of it are negative.
     right, down = (
-        ((int(one) + _PADDED // 2) % _PADDED - _PADDED // 2) / shrink for one in (right, down)
+        ((int(place) + _PADDED // 2) % _PADDED - _PADDED // 2) / shrink for place in (right, down)
     )
     return Rigid(float(TURNS_RAD[turn]), right, down)
 

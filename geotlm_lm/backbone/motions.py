@@ -96,16 +96,16 @@ def motions_of(imprint: Imprint) -> FoundMotions:
     sureness = np.zeros((count, MOTION_NUMBERS), np.float32)
     sureness[:, [0, 4]] = 1
     local[0] = _beyond(pictures[0].image, pictures[0].image, Rigid())
-    found: list[tuple[_Found, _Found]] = []
+    pairs: list[tuple[_Found, _Found]] = []
     for k in range(1, count):
         in_green = green.next()
         # The relief begins where the residual ended: its own detail is coarser.
         in_relief = relief.next(in_green.step.motion, size[0] / VIEW_SIDE)
-        found.append((in_green, in_relief))
+        pairs.append((in_green, in_relief))
         local[k] = _beyond(pictures[0].image, pictures[k].image, in_green.direct.motion)
         sureness[k] = np.concatenate([_sureness(in_green.direct), _sureness(in_relief.direct)])
-    displacement = _displacement(found, (green.size, relief.size))
-    motions = _last(found, (green, relief), imprint) if found else Motions.none()
+    displacement = _displacement(pairs, (green.size, relief.size))
+    motions = _last(pairs, (green, relief), imprint) if pairs else Motions.none()
     return FoundMotions(displacement, local, sureness, motions)
 
 
@@ -158,7 +158,7 @@ class _Sequence:
         return _Found(step, direct, self._chained)
 
 
-def _displacement(found: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Floats:
+def _displacement(pairs: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Floats:
     """Return how far what is now under each patch centre has come, (1 + n, 14, 14, 8).
 
     Of each of `MEASURED` to the right and down, in pixels of the view; 0 for the first frame.
@@ -168,7 +168,7 @@ def _displacement(found: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Fl
             [(m.turn_rad, m.right_px / columns, m.down_px / rows, rows / columns)
              for pictures, (rows, columns) in zip(pair, sizes, strict=True)
              for m in (pictures.chained, pictures.direct.motion)]
-            for pair in found
+            for pair in pairs
         ]
     ).reshape(-1, len(MEASURED), 4)  # fmt: skip
     turn, right, down, height = (motions[..., k, None, None] for k in range(4))
@@ -178,7 +178,7 @@ def _displacement(found: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Fl
     cos, sin = np.cos(turn), np.sin(turn)
     moved = [centres[None, :] - cos * x - sin * y, centres[:, None] + (sin * x - cos * y) / height]
     field = np.stack(np.broadcast_arrays(*moved), axis=-1) * IMAGE_SIDE
-    displacement = np.zeros((1 + len(found), GRID_SIDE, GRID_SIDE, 2 * len(MEASURED)), np.float32)
+    displacement = np.zeros((1 + len(pairs), GRID_SIDE, GRID_SIDE, 2 * len(MEASURED)), np.float32)
     displacement[1:] = field.transpose(0, 2, 3, 1, 4).reshape(displacement[1:].shape)
     return displacement
 
@@ -224,11 +224,11 @@ def _sureness(aligned: Aligned) -> Floats:
 
 
 def _last(
-    found: Sequence[tuple[_Found, _Found]], kinds: tuple[_Sequence, ...], imprint: Imprint
+    pairs: Sequence[tuple[_Found, _Found]], kinds: tuple[_Sequence, ...], imprint: Imprint
 ) -> Motions:
     """Return the motions to the last frame, in pixels of the 224-pixel image."""
     twists, deviations, correlations = [], [], []
-    for pair, pictures in zip(found[-1], kinds, strict=True):
+    for pair, pictures in zip(pairs[-1], kinds, strict=True):
         rows, columns = pictures.size
         wide, high = imprint.view.side_px / columns, imprint.view.side_px / rows
         spread = np.sqrt(np.diag(pair.direct.covariance)) * pair.direct.residual

@@ -76,19 +76,19 @@ class StemMeasurement(NamedTuple):
 def measure_clip(clip: Clip) -> StemMeasurement:
     """Measure a clip of exactly four frames with a known or estimated background, any size."""
     imprint = imprint_of(clip)
-    found = motions_of(imprint)
+    motions = motions_of(imprint)
     grid = (len(imprint.cells), GRID_SIDE, GRID_SIDE)
     parts = [
         np.stack([_cells(image) for image in imprint.cells]) / RESIDUAL_SCALE_GREY,
         np.stack([area_means(frame, GRID_SIDE) for frame in imprint.relief])[..., None]
         / RELIEF_SCALE,
         np.full((*grid, 1), np.log(IMAGE_SIDE / imprint.view.side_px)),
-        found.displacement.clip(-IMAGE_SIDE, IMAGE_SIDE) / FLOW_SCALE_PX,
-        found.local,
-        np.broadcast_to(found.sureness[:, None, None], (*grid, MOTION_NUMBERS)),
+        motions.displacement.clip(-IMAGE_SIDE, IMAGE_SIDE) / FLOW_SCALE_PX,
+        motions.local,
+        np.broadcast_to(motions.sureness[:, None, None], (*grid, MOTION_NUMBERS)),
     ]
     inputs = _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), imprint)
-    return StemMeasurement(inputs, imprint.view, found.motions)
+    return StemMeasurement(inputs, imprint.view, motions.motions)
 
 
 def _cells(residual: Floats) -> Floats:

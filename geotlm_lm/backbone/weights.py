@@ -195,8 +195,8 @@ def _what_else(start: bytes) -> str:
     return "is neither a safetensors file nor a PyTorch checkpoint"
 
 
-def _refused(path: Path, found: str) -> IncompatibleWeights:
-    return IncompatibleWeights(f"{path}: {found}; get the file the encoder's authors release.")
+def _refused(path: Path, reason: str) -> IncompatibleWeights:
+    return IncompatibleWeights(f"{path}: {reason}; get the file the encoder's authors release.")
 
 
 def _one_line(error: Exception) -> str:

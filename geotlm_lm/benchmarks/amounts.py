@@ -220,8 +220,8 @@ def amount_rows(run: Run) -> Iterator[Row]:
         answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
         for moved in clips:
             encoded, component = run.answerer.encode(moved.clip), COMPONENT_OF[moved.motion].value
-            told = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
-            answers.setdefault(BELIEF, []).append((moved, told))
+            amount = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
+            answers.setdefault(BELIEF, []).append((moved, amount))
             for name, rival in FITS.items():
                 answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
         for method, pairs in answers.items():

@@ -115,7 +115,9 @@ def belief_of_slots(bundle: Bundle, encoded: Encoded) -> Belief:
     """
     ways, contact = {}, 0.0
     for slot, logits in bundle.speaker.feel(reading(encoded)[None]).items():
-        shares = bundle.calibration.felt(logits[0].double().numpy(), doubt=encoded.doubt)
+        shares = bundle.calibration.slot_probabilities(
+            logits[0].double().numpy(), doubt=encoded.doubt
+        )
         by_word = dict(zip(SLOTS[slot], shares.tolist(), strict=True))
         if slot == "contact":
             contact = by_word["yes"]

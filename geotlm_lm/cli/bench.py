@@ -151,8 +151,8 @@ def _run(real: Path | None, quick: bool, seed: int, model: Path | None, **more: 
 
     if real is not None and not real.is_dir():
         raise UsageError(f"--real: {real} is no folder, expected one of labelled recordings.")
-    told = {"real": real, "is_quick": quick, "seed": seed, "model": model}
-    return Run(**told, progress=progress_on_stderr(""), **more)
+    options = {"real": real, "is_quick": quick, "seed": seed, "model": model}
+    return Run(**options, progress=progress_on_stderr(""), **more)
 
 
 def _measure(

@@ -307,9 +307,9 @@ def grouped(command: Callable[..., None]) -> Callable[..., None]:
             if marks and isinstance(marks[0], Positional):
                 mark, parser = marks[0], str if kind in (str, str | None) else path_of
                 aliases[name] = (mark, default is Parameter.empty)
-                told = typer.Argument(parser=parser, metavar=mark.metavar, help=mark.help)
+                argument = typer.Argument(parser=parser, metavar=mark.metavar, help=mark.help)
                 same = typer.Option(mark.alias, parser=parser, hidden=True, help="The same.")
-                both = {name: told, f"{name}_by_option": same}
+                both = {name: argument, f"{name}_by_option": same}
                 hints_of = {key: Annotated[kind | None, info] for key, info in both.items()}
             else:
                 hints_of = {name: hint}

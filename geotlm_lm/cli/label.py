@@ -57,8 +57,7 @@ def label(
     scale = answering.frame.mm_per_px
     from geotlm_lm.data_sets.lerobot import read_data_set
 
-    found = read_data_set(data_set)
-    found.require_camera(camera)
+    read_data_set(data_set).require_camera(camera)
     require_writable(out.parent, "--out")
 
     # Imported only now: a wrong path must not wait for the model's libraries.

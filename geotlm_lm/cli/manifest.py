@@ -70,17 +70,18 @@ def manifest(
     counts = Counter(row.motion for row in made.rows)
     objects = len({row.object_id for row in made.rows})
     sensors = len({row.sensor for row in made.rows})
-    told = ", ".join(f"{count} {motion}" for motion, count in sorted(counts.items()))
+    motions = ", ".join(f"{count} {motion}" for motion, count in sorted(counts.items()))
     typer.echo(
-        f"{out}: clips: {len(made.rows)}, objects: {objects}, sensors: {sensors}; {told or 'none'}"
+        f"{out}: clips: {len(made.rows)}, objects: {objects}, sensors: {sensors}; "
+        f"{motions or 'none'}"
     )
     passed_over = {
         "pictures that do not fit the pattern": made.unmatched,
         "clips of less than two frames, left out": made.too_short,
     }
-    for what, found in passed_over.items():
-        if found:
-            typer.echo(f"{what}: {len(found)}, the first {found[0]}", err=True)
+    for what, names in passed_over.items():
+        if names:
+            typer.echo(f"{what}: {len(names)}, the first {names[0]}", err=True)
 
 
 def _meanings(words: list[str]) -> dict[str, str]:

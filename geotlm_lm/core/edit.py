@@ -76,8 +76,8 @@ class Edit:
     @property
     def words(self) -> tuple[str, ...]:
         """Its canonical words."""
-        found = next(words for words, done in _IMAGES.items() if done == self.image)
-        return (*found, *(flag for flag in _FLAGS if getattr(self, flag)))
+        names = next(words for words, done in _IMAGES.items() if done == self.image)
+        return (*names, *(flag for flag in _FLAGS if getattr(self, flag)))
 
     @classmethod
     def of(cls, *words: str) -> Edit:
@@ -109,7 +109,7 @@ class Edit:
     def of_twist(self, twist: Twist) -> Twist:
         """Return what a twist becomes."""
         old = (twist.turn_deg, twist.right_px, twist.down_px, twist.inward_mm)
-        return Twist(*(float(one) for one in self.matrix @ np.array(old)))
+        return Twist(*(float(number) for number in self.matrix @ np.array(old)))
 
     def of_label(self, label: MotionLabel) -> MotionLabel:
         """Return the truth about the clip mirrored or turned by a half.

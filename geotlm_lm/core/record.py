@@ -46,10 +46,10 @@ class RunRecord:
         try:
             return cls(**json.loads(path.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError, RecursionError) as error:
-            said = (str(error).splitlines() or [type(error).__name__])[0]
+            reason = (str(error).splitlines() or [type(error).__name__])[0]
             raise UnreadableRecord(
-                f"{path}: is no record of a run ({said}); make it again by the command that wrote "
-                f"it."
+                f"{path}: is no record of a run ({reason}); make it again by the command that "
+                f"wrote it."
             ) from error
 
 

@@ -11,6 +11,6 @@ Pixels are those of the 224-pixel image: 0.2 mm are 2.2 of them on a GelSight Mi
 RELATIVE_TOLERANCE = 0.2
 
 
-def within_tolerance(said: float, true: float, unit: Literal["deg", "mm", "px"]) -> bool:
+def within_tolerance(amount: float, true: float, unit: Literal["deg", "mm", "px"]) -> bool:
     """Tell whether an amount is right: off by 2 degrees, 0.2 mm or 2 px, or by a fifth, at most."""
-    return abs(said - true) <= max(TOLERANCES[unit], RELATIVE_TOLERANCE * true)
+    return abs(amount - true) <= max(TOLERANCES[unit], RELATIVE_TOLERANCE * true)

@@ -255,7 +255,7 @@ def _read(root: Path, row: ManifestRow) -> tuple[Clip, str]:
     if clip.background is not None:
         return clip, GIVEN
     folders = [folder_images(root / entry) for entry in row.frames if (root / entry).is_dir()]
-    beside = next((one.idle for one in folders if one.idle is not None), None)
+    beside = next((images.idle for images in folders if images.idle is not None), None)
     if beside is not None:
         return replace(clip, background=read_background(beside)), GIVEN
     idle = find_idle(clip)

@@ -221,8 +221,8 @@ def _require_agreement(folder: Path, recording: Clip, poses: Poses, masks: NDArr
     if (folder / GRADIENTS).exists():
         lengths["gradient maps"] = len(_frames_of(folder / GRADIENTS))
     if len(set(lengths.values())) > 1:
-        told = ", ".join(f"{count} of {name}" for name, count in lengths.items())
-        raise UnreadableClip(f"{folder}: found {told}, expected equally many; copy it again.")
+        counts = ", ".join(f"{count} of {name}" for name, count in lengths.items())
+        raise UnreadableClip(f"{folder}: found {counts}, expected equally many; copy it again.")
     size = recording.frames.shape[1:3]
     if masks.shape[1:] != size:
         raise UnreadableClip(

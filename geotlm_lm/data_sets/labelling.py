@@ -201,8 +201,8 @@ def _label(labelling: Labelling, data_set: LeRobotDataSet, episode: Episode) -> 
         exported = _track(data_set, episode, labelling)
     except UnreadableClip as error:
         return _refused(episode, str(error))
-    told = exported.to_dict()
-    about = {"events": told["events"], "notes": told["notes"], "refused": None}
+    values = exported.to_dict()
+    about = {"events": values["events"], "notes": values["notes"], "refused": None}
     return motion_values(exported, episode.length), about
 
 

@@ -55,7 +55,7 @@ class AblatedDGR(DGR):
         pooled = [pool_regions(field, mask) for field in fields.unbind(dim=-1)]
         if not self.parts.regions:
             whole = REGIONS.index("global")
-            pooled = [one[..., whole : whole + 1] for one in pooled]
+            pooled = [values[..., whole : whole + 1] for values in pooled]
         return torch.cat(pooled, dim=-1)
 
 

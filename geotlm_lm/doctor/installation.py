@@ -33,19 +33,19 @@ def examine_installation(model: Path | None = None) -> list[Finding]:
 
 
 def _versions() -> Finding:
-    told = [f"geotlm-lm {__version__}", f"Python {platform.python_version()}"]
+    versions = [f"geotlm-lm {__version__}", f"Python {platform.python_version()}"]
     lacking = []
     for name in PACKAGES:
         try:
-            told.append(f"{name} {version(name)}")
+            versions.append(f"{name} {version(name)}")
         except PackageNotFoundError:
             lacking.append(name)
     if not lacking:
-        return Finding("versions", "fine", f"{', '.join(told)}.")
+        return Finding("versions", "fine", f"{', '.join(versions)}.")
     return Finding(
         "versions",
         "fault",
-        f"{', '.join(told)}; not installed: {', '.join(lacking)}.",
+        f"{', '.join(versions)}; not installed: {', '.join(lacking)}.",
         "Commands that need them fail.",
         "Run `pip install geotlm-lm` anew.",
     )
@@ -60,9 +60,9 @@ def _extra(name: str) -> Finding:
 
 
 def _cameras() -> Finding:
-    found = sorted(str(path) for path in Path("/dev").glob("video*"))
-    if found:
-        return Finding("cameras", "fine", f"{', '.join(found)}.")
+    devices = sorted(str(path) for path in Path("/dev").glob("video*"))
+    if devices:
+        return Finding("cameras", "fine", f"{', '.join(devices)}.")
     return Finding(
         "cameras",
         "limit",
@@ -86,13 +86,13 @@ def _answers(model: Path | None) -> Finding:
         return Finding(
             subject, "fault", str(error), "Nothing is answered.", "Install the package anew."
         )
-    told = f'"{QUESTION}" of {EXAMPLE}: "{answer.text}" in {answer.timing_ms["total"]:.0f} ms.'
+    measured = f'"{QUESTION}" of {EXAMPLE}: "{answer.text}" in {answer.timing_ms["total"]:.0f} ms.'
     if EXPECTED in answer.text.lower():
-        return Finding(subject, "fine", told)
+        return Finding(subject, "fine", measured)
     return Finding(
         subject,
         "fault",
-        told,
+        measured,
         "The example turns counterclockwise: answers of this model cannot be relied on.",
         "Give the shipped bundle, or install the package anew.",
     )

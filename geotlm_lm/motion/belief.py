@@ -74,8 +74,8 @@ class Belief:
         A press is compared by the pixels that its depth makes a contact's rim move, about as many
         as its depth is wide.
         """
-        counting = [one for one in COMPONENTS if self.counts(one) >= 0.5]
-        return sorted(counting, key=lambda one: -self._pixels(one))
+        counting = [component for component in COMPONENTS if self.counts(component) >= 0.5]
+        return sorted(counting, key=lambda component: -self._pixels(component))
 
     def _pixels(self, component: Component) -> float:
         path = self.path(component)

@@ -164,7 +164,7 @@ def _divergence(inputs: Tensor, geometry: Geometry) -> Tensor:
     mask = geometry.mask.float()
     local = inputs[:, 1, :, :, LOCAL_AT : LOCAL_AT + 2]
     fields = [(local, _on_grid_of(inputs, mask)), (geometry.shear_change.float(), mask)]
-    return torch.stack([_outward(*one) for one in fields], dim=1)
+    return torch.stack([_outward(*pair) for pair in fields], dim=1)
 
 
 def _outward(field: Tensor, mask: Tensor) -> Tensor:

@@ -148,8 +148,8 @@ class MotionNetwork(nn.Module):
     def forward(self, measured: Measured) -> Beliefs:
         """Return what is believed of b clips."""
         standard = ((measured.hints - self.mean) / self.scale).clamp(-8, 8)
-        told = self.out(self.layers(standard)).split(list(_OUTPUTS.values()), dim=1)
-        own = dict(zip(_OUTPUTS, told, strict=True))
+        outputs = self.out(self.layers(standard)).split(list(_OUTPUTS.values()), dim=1)
+        own = dict(zip(_OUTPUTS, outputs, strict=True))
         paths = measured.paths
         turn = (own["turn_weights"].softmax(dim=1) * paths[..., 0]).sum(dim=1)
         slide = (own["slide_weights"].softmax(dim=1)[..., None] * paths[..., 1:]).sum(dim=1)

@@ -37,13 +37,13 @@ class RigidAlignment:
         idle = np.mean(frames, axis=0)
         if clip.background is not None:
             idle = clip.background[..., GREEN].astype(np.float32)
-        small = [cv2.resize(one - idle, size, interpolation=cv2.INTER_AREA) for one in frames]
-        pictures = [Picture.of(one) for one in small]
+        small = [cv2.resize(frame - idle, size, interpolation=cv2.INTER_AREA) for frame in frames]
+        pictures = [Picture.of(residual) for residual in small]
         motion = Rigid()
         for before, after in zip(pictures[:-1], pictures[1:], strict=True):
             if not np.array_equal(before.image, after.image):
                 motion = align(before, after).motion.after(motion)
-        contrast = [imprint_contrast(one) for one in small]
+        contrast = [imprint_contrast(residual) for residual in small]
         weight = np.mean(contrast, axis=0)
         down, right = np.indices(weight.shape) * (size[1] / weight.shape[0])
         total = max(float(weight.sum()), 1e-6)

@@ -123,10 +123,10 @@ def classify_motion(motion: RigidMotion, among: Iterable[Motion]) -> Motion:
     Raises:
         ValueError: If `among` is empty.
     """
-    asked = [Motion(one) for one in among]
+    asked = [Motion(name) for name in among]
     if not asked:
         raise ValueError("name at least one motion to decide among")
-    directed = [one for one in asked if one in DIRECTED]
+    directed = [way for way in asked if way in DIRECTED]
     first, last = motion.contrast
     if Motion.NONE in asked and max(first, last) < TOUCH_CONTRAST:
         return Motion.NONE
@@ -153,13 +153,13 @@ def imprint_contrast(residual: Field) -> Field:
 
 def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:
     path = {
-        one: signed_amount(
-            one, turn=motion.turn_px, right=motion.slide_x_px, down=motion.slide_y_px
+        way: signed_amount(
+            way, turn=motion.turn_px, right=motion.slide_x_px, down=motion.slide_y_px
         )
-        for one in DIRECTED
+        for way in DIRECTED
     }
-    turns = [one for one in directed if one in ROTATIONS]
-    slides = [one for one in directed if one in SLIDES]
+    turns = [way for way in directed if way in ROTATIONS]
+    slides = [way for way in directed if way in SLIDES]
     if turns and slides:
         directed = turns if abs(motion.turn_px) > TURN_SHARE * motion.slide_px else slides
     return max(directed, key=path.__getitem__)
@@ -176,7 +176,7 @@ def _residuals(clip: Clip, background: Frames | None = None) -> tuple[list[Field
     size = (round(columns * shrink), round(rows * shrink))
     if size != residuals[0].shape[::-1]:
         how = cv2.INTER_AREA if shrink < 1 else cv2.INTER_LINEAR
-        residuals = [cv2.resize(one, size, interpolation=how) for one in residuals]
+        residuals = [cv2.resize(residual, size, interpolation=how) for residual in residuals]
     return residuals, shrink
 
 

@@ -79,8 +79,8 @@ class Change:
         does not count.
         """
         # Smooth over more than two pixels, so that every other one tells as much.
-        thinned = (np.abs(one[::2, ::2]) for one in self.changes)
-        return max(float(quantile_by_rank(one, 1 - TOUCHED_SHARE)) for one in thinned)
+        thinned = (np.abs(change[::2, ::2]) for change in self.changes)
+        return max(float(quantile_by_rank(change, 1 - TOUCHED_SHARE)) for change in thinned)
 
     @cached_property
     def is_beyond_noise(self) -> bool:
@@ -102,8 +102,8 @@ class Change:
     def is_cut_off(self) -> bool:
         """Whether the border of the image cuts through what changed."""
         change = np.abs(self.changes[0])
-        for one in self.changes[1:]:
-            np.maximum(change, np.abs(one), out=change)
+        for other in self.changes[1:]:
+            np.maximum(change, np.abs(other), out=change)
         width = max(round(BORDER_SHARE * change.shape[1]), 1)
         sides = (change[:, :width], change[:, -width:], change[:width], change[-width:])
         strongest = max(float(np.square(side).mean()) for side in sides)
