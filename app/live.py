@@ -267,6 +267,8 @@ def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) ->
         is_new = now_s - before_s > STARTED_S
         if not is_new:
             return {}
+    if is_new and not frame.any():  # what a browser sends before its camera's first picture
+        return {}
     if is_new:
         stream = LiveStream(answerer, "camera", frame.shape, is_camera=True)
         live.began_s = now_s

@@ -82,6 +82,13 @@ def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):
     assert told["about"] == "learning the idle gel · 1 frames"
 
 
+def test_blank_pictures_before_a_cameras_first_one_begin_nothing(frames):
+    watched = LiveSession()
+    assert followed([np.zeros_like(frames[0])] * 2, watched) == []
+    assert watched.stream is None
+    assert len(followed(frames[:3], watched)) == 3
+
+
 def test_a_camera_of_another_size_is_followed_from_its_beginning(frames):
     watched = LiveSession(mm_per_px=0.05)
     followed(frames[:1], watched)
