@@ -1,6 +1,7 @@
 """The page served with a stand-in for the model, a browser at it, and recordings to give it."""
 
 import asyncio
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +9,15 @@ import pytest
 from tests.app.fakes import FakeAnswerer, clip
 from tests.track.recordings import there_and_back
 from tests.track.test_idle_tracker import gel, touched
+
+HERE = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items):
+    """Mark the tests of this folder, which need the page's extras."""
+    for item in items:
+        if item.path.parent == HERE:
+            item.add_marker("page")
 
 
 @pytest.fixture(scope="module")

@@ -14,6 +14,8 @@ from app import ui  # noqa: E402
 from app.guards import SENTENCE  # noqa: E402
 from tests.track.recordings import there_and_back  # noqa: E402
 
+pytestmark = pytest.mark.page
+
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs/programs.md").read_text()
 BLOCKS = re.findall(r"```(python|bash)\n(.*?)```", PAGE, re.DOTALL)
