@@ -240,7 +240,7 @@ def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
 def _row(belief: Any, component: Any, units: Units) -> dict[str, Any]:
     from geotlm_lm import LEAST_SURE
 
-    counts = belief.counts(component)
+    counts = belief.moves(component)
     row = {"name": component.value, "counts": counts >= LEAST_SURE}
     if not belief.readable.get(component, True):
         return row | {"counts": False, "text": "cannot be told from these pictures"}

@@ -213,7 +213,7 @@ class Answerer:
     def _own_reasons(self, encoded: Encoded) -> tuple[str, ...]:
         """Return the model's own sentences of evidence; none where it has none that may be told."""
         belief = encoded.belief
-        ways = frozenset(belief.way(one) for one in COMPONENTS if belief.counts(one) >= 0.5)
+        ways = frozenset(belief.way(one) for one in COMPONENTS if belief.moves(one) >= 0.5)
         own = own_evidence(self.bundle, encoded, ways or frozenset({Motion.STILL}))
         if own is None:
             return ()

@@ -224,10 +224,10 @@ def _options(decision: Decision, evidence: Evidence) -> dict[str, float]:
         return {}
     belief = evidence.belief.seen(decision.edit)
     found = {way.value: belief.ways[way] for ways in WAYS.values() for way in ways}
-    touching = max(belief.contact, *(belief.counts(one) for one in WAYS))
+    touching = max(belief.contact, *(belief.moves(one) for one in WAYS))
     still = touching
     for component in WAYS:
-        still *= max(1 - belief.counts(component) / max(touching, 1e-9), 0.0)
+        still *= max(1 - belief.moves(component) / max(touching, 1e-9), 0.0)
     return found | {"still": still, "none": 1 - touching}
 
 

@@ -23,7 +23,7 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     may look as if it turned or slid: where a press counts and either of these does too, the clip is
     perceived once more, played backwards, and what does not turn round with it is not believed.
     """
-    belief, counts = _first_belief(bundle, encoded), Belief.counts
+    belief, counts = _first_belief(bundle, encoded), Belief.moves
     goes = max(counts(belief, one) for one in (Component.TURN, Component.SLIDE))
     if min(counts(belief, Component.PRESS), goes) < 0.5:
         return belief

@@ -22,8 +22,10 @@ class MeasuredMotion:
             where their size is known, and mm of a press.
         right: Part of the slide to the right, in its unit.
         down: Part of it down the image.
-        counts: Probability that each component counts.
+        moves: Probability that each component moves.
         ways: The likeliest way of each, given that it counts.
+        limits: How far each has to go to be seen, in the unit of its measure; None where that
+            is not known.
         readable: Whether the picture tells how far each goes.
         contact: Probability that something touches.
     """
@@ -31,8 +33,9 @@ class MeasuredMotion:
     measures: dict[Component, Measure]
     right: float
     down: float
-    counts: dict[Component, float]
+    moves: dict[Component, float]
     ways: dict[Component, Motion]
+    limits: dict[Component, float | None]
     readable: dict[Component, bool]
     contact: float
 
@@ -44,14 +47,15 @@ class MeasuredMotion:
             found,
             right=measure("right", belief, frame, recording).mean,
             down=measure("down", belief, frame, recording).mean,
-            counts={one: belief.counts(one) for one in COMPONENTS},
+            moves={one: belief.moves(one) for one in COMPONENTS},
             ways={one: belief.way(one) for one in COMPONENTS},
+            limits={one: _limit(one, belief, frame, recording) for one in COMPONENTS},
             readable={one: belief.readable[one] for one in COMPONENTS},
             contact=belief.contact,
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return plain JSON values: of each component its size, span, and whether it counts.
+        """Return plain JSON values: of each component size, span, limit and whether it moves.
 
         The spans are of the size, without sign.
         """
@@ -64,7 +68,8 @@ class MeasuredMotion:
                 "mean": round(told.mean, 4),
                 "low": low,
                 "high": high,
-                "counts": round(self.counts[one], 4),
+                "limit": self.limits[one],
+                "moves": round(self.moves[one], 4),
                 "way": self.ways[one].value,
                 "readable": self.readable[one],
             }
@@ -82,3 +87,11 @@ class MeasuredMotion:
             told = amount_phrase(self.measures[one], with_span=True)
             parts.append(f"{what} of about {told}{doubt}")
         return f"Measured from the first frame to the last: {'; '.join(parts)}."
+
+
+def _limit(
+    component: Component, belief: Belief, frame: FrameSpec, recording: Recording
+) -> float | None:
+    if component not in belief.limits:
+        return None
+    return round(measure(component.value, belief.at_limit, frame, recording).mean, 4)

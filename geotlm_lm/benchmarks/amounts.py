@@ -144,7 +144,7 @@ def belief_prediction(belief: Belief) -> Prediction:
         ways=_parts(belief.mean) | signs,
         amounts=amounts,
         spans={part: (amounts[part] - far[part], amounts[part] + far[part]) for part in COMPONENTS},
-        counting={part: belief.counts(part) >= 0.5 for part in COMPONENTS},
+        counting={part: belief.moves(part) >= 0.5 for part in COMPONENTS},
     )
 
 

@@ -129,10 +129,10 @@ def belief_of_slots(bundle: Bundle, encoded: Encoded) -> Belief:
 
 def shares_of(belief: Belief) -> dict[Motion, float]:
     """Return the probability of each motion; several may hold at once."""
-    touching = max(belief.contact, *map(belief.counts, WAYS))
+    touching = max(belief.contact, *map(belief.moves, WAYS))
     still = touching
     for component in WAYS:
-        still *= max(1 - belief.counts(component) / max(touching, 1e-9), 0.0)
+        still *= max(1 - belief.moves(component) / max(touching, 1e-9), 0.0)
     return {**belief.ways, Motion.STILL: still, Motion.NONE: 1 - touching}
 
 
@@ -176,7 +176,7 @@ def ways_claimed(answer: Answer) -> tuple[Motion, ...]:
     motion = answer.motion
     if motion is None or answer.abstained:
         return ()
-    counting = (part for part in (Component.TURN, Component.SLIDE) if motion.counts[part] >= 0.5)
+    counting = (part for part in (Component.TURN, Component.SLIDE) if motion.moves[part] >= 0.5)
     return tuple(motion.ways[part] for part in counting)
 
 

@@ -43,6 +43,10 @@ STILL_MM, COUNTING_MM = 0.06, 0.15
 """The same of the approach of an object: a hand that only turns lets it vary by 0.06 mm."""
 
 
+BARELY_PX, BARELY_MM = 1.0, 0.15
+"""Path below which a turn or a slide, and a press, that is seen is said to move barely."""
+
+
 @dataclass(frozen=True)
 class Twist:
     """How an object moves between two times: it turns about the middle of the contact."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.edit import BACKWARDS, Edit, opposite
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
+from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component, Twist
 
 Spread = NDArray[np.float64]
 
@@ -22,8 +22,8 @@ class Belief:
 
     mean: Twist  # the twist, lengths in pixels of the 224-pixel image and mm into the gel
     covariance: Spread  # of turn (degrees), right, down (pixels) and inward (mm), (4, 4)
-    # Probability that a component counts and goes that way, of all eight ways; what is missing to
-    # 1 of a component is that it does not count.
+    # Probability that a component moves, beyond this clip's noise, and goes that way, of all eight
+    # ways; what is missing to 1 of a component is that no motion of it is seen.
     ways: Mapping[Motion, float]
     contact: float  # probability that something touches the gel
     radius_px: float  # radius of the contact, at which a turn's path is measured
@@ -32,18 +32,23 @@ class Belief:
     readable: Mapping[Component, bool]
     # All of it as the language model reads it; empty where no model made it.
     numbers: tuple[float, ...] = ()
+    # Detection limit: path that each component needs to be told from this clip's own noise, pixels,
+    # of a press mm; none where it is not known.
+    limits: Mapping[Component, float] = field(default_factory=dict)
+    # Whether the gel's untouched look is known, without which nothing tells contact.
+    is_contact_known: bool = True
 
-    def counts(self, component: Component) -> float:
-        """Return the probability that a component counts."""
+    def moves(self, component: Component) -> float:
+        """Return the probability that a component moves."""
         return float(sum(self.ways[way] for way in WAYS[component]))
 
     def way(self, component: Component) -> Motion:
-        """Return the likeliest way of a component, given that it counts."""
+        """Return the likeliest way of a component, given that it moves."""
         return max(WAYS[component], key=self.ways.__getitem__)
 
     def share(self, way: Motion, component: Component) -> float:
         """Return the probability of a way, given that its component counts."""
-        total = self.counts(component)
+        total = self.moves(component)
         return self.ways[way] / total if total > 0 else 1 / len(WAYS[component])
 
     def amount(self, component: Component) -> float:
@@ -68,13 +73,25 @@ class Belief:
         """Return how far a component moves the imprint: pixels, of a press mm."""
         return self.mean.path(component, self.radius_px)
 
+    @property
+    def at_limit(self) -> Belief:
+        """The same with each component as far as its detection limit, 0 where that is unknown."""
+        turn, slide, press = (self.limits.get(component, 0.0) for component in COMPONENTS)
+        mean = Twist(math.degrees(turn / max(self.radius_px, 1.0)), slide, 0.0, press)
+        return replace(self, mean=mean)
+
+    def is_barely(self, component: Component) -> bool:
+        """Tell whether a component goes so little that it is said to move barely."""
+        least = BARELY_MM if component is Component.PRESS else BARELY_PX
+        return self.path(component) < least
+
     def by_size(self) -> list[Component]:
         """Return the components that more probably count than not, the larger path first.
 
         A press is compared by the pixels that its depth makes a contact's rim move, about as many
         as its depth is wide.
         """
-        counting = [component for component in COMPONENTS if self.counts(component) >= 0.5]
+        counting = [component for component in COMPONENTS if self.moves(component) >= 0.5]
         return sorted(counting, key=lambda component: -self._pixels(component))
 
     def _pixels(self, component: Component) -> float:

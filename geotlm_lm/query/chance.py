@@ -167,7 +167,7 @@ class Judge:
     def _states(self, bounded: list[str]) -> Iterator[tuple[State, float]]:
         """Yield every state and its probability; they sum to 1."""
         belief = self.belief
-        touching = min(max(belief.contact, *map(belief.counts, COMPONENTS)), 1.0)
+        touching = min(max(belief.contact, *map(belief.moves, COMPONENTS)), 1.0)
         yield State(frozenset(), False, dict.fromkeys(bounded, 0.0)), 1.0 - touching
         if touching <= 0:
             return

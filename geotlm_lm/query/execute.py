@@ -98,7 +98,7 @@ def _timed(scene: Scene, ask: t.Ask) -> Decision:
 def _way(scene: Scene, ask: t.Ask) -> Decision:
     if ask.of == "thread":
         turn = t.COMPONENT_ATOMS["turn"]
-        if scene.belief.counts(turn) < 0.5 and scene.frame.contact_side != "side":
+        if scene.belief.moves(turn) < 0.5 and scene.frame.contact_side != "side":
             return scene.decision(**scene.telling((turn,)))  # neither tightens nor loosens
         options = tuple(t.Option(t.Proposition((t.Literal(one),))) for one in t.THREAD_ATOMS)
         return _choice(scene, t.Ask("choice", options=options))
@@ -133,7 +133,7 @@ def _along(scene: Scene, axis: str) -> dict[str, object]:
     mean, deviation = bell(scene.belief, axis)
     way = _AXIS_WAYS[axis][mean > 0]
     sure = NormalDist(abs(mean), max(deviation, 1e-6))
-    chance = scene.belief.counts(slide) * (1 - sure.cdf(0.0))
+    chance = scene.belief.moves(slide) * (1 - sure.cdf(0.0))
     move = Movement(way, None, part, chance, barely=False)
     return found | {"movements": (move,), "probability": chance}
 

@@ -108,7 +108,7 @@ class Scene:
         return found
 
     def _tightens(self, told: Motion) -> bool:
-        if self.belief.counts(Component.TURN) < 0.5 and self.frame.contact_side != "side":
+        if self.belief.moves(Component.TURN) < 0.5 and self.frame.contact_side != "side":
             return told is Motion.CLOCKWISE  # it hardly turns: neither is probable, whatever thread
         lacking = self.frame.missing_for_thread()
         if lacking or self.frame.contact_side == "side":
@@ -134,7 +134,7 @@ class Scene:
             aslant,
             self.amount(component.value) if belief.readable[component] else None,
             min(sure, 1.0),
-            low <= belief.counts(component) < high,
+            low <= belief.moves(component) < high,
             self._times(component),
             self._back_and_forth(component),
         )
@@ -203,14 +203,14 @@ class Scene:
     def telling(self, asked: Sequence[Component] = ()) -> dict[str, object]:
         """Return what counts of what is asked, what of it does not, and what is so instead."""
         belief = self.belief
-        touching = max(belief.contact, *map(belief.counts, COMPONENTS))
+        touching = max(belief.contact, *map(belief.moves, COMPONENTS))
         if touching < 0.5:
             return {"rest": Motion.NONE, "denied": tuple(asked), "probability": 1 - touching}
         counting = belief.by_size()
         told = [one for one in counting if one in asked] if asked else counting
         denied = tuple(one for one in asked if one not in counting)
         moves = tuple(self.movement(one) for one in (told or counting))
-        sure = [1 - belief.counts(one) for one in denied] + [one.chance for one in moves]
+        sure = [1 - belief.moves(one) for one in denied] + [one.chance for one in moves]
         if not moves:
             rest = self.judge.chance(t.Proposition((t.Literal("still"),)))
             return {"rest": Motion.STILL, "denied": denied, "probability": rest}

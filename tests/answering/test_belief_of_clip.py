@@ -30,10 +30,10 @@ def test_what_turns_round_with_a_press_is_believed_and_what_does_not_is_not(beli
     press = believed("press", "clockwise")
     belief, seen = believing(press, believed("release", "counterclockwise"))
     assert seen == [(0, 1, 2, 3), (3, 2, 1, 0)]
-    assert belief.counts(Component.TURN) == pytest.approx(press.counts(Component.TURN))
+    assert belief.moves(Component.TURN) == pytest.approx(press.moves(Component.TURN))
     belief, _ = believing(press, believed("release", "clockwise"))
-    assert belief.counts(Component.TURN) < 0.5
-    assert belief.counts(Component.PRESS) == press.counts(Component.PRESS)
+    assert belief.moves(Component.TURN) < 0.5
+    assert belief.moves(Component.PRESS) == press.moves(Component.PRESS)
     assert belief.way(Component.PRESS) is Motion.PRESS
     assert belief.mean.turn_deg == pytest.approx(0.0)
 

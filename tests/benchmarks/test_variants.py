@@ -93,7 +93,7 @@ def test_rivals_are_given_the_gel_that_the_model_would_guess():
 def test_an_answer_claims_what_counts_in_its_motion():
     counts = {Component.TURN: 0.9, Component.SLIDE: 0.4, Component.PRESS: 0.8}
     ways = {Component.TURN: Motion.COUNTERCLOCKWISE, Component.SLIDE: Motion.RIGHT}
-    motion = SimpleNamespace(counts=counts, ways=ways)
+    motion = SimpleNamespace(moves=counts, ways=ways)
     told = SimpleNamespace(direction=Motion.PRESS, abstained=False, motion=motion)
     assert ways_claimed(told) == (Motion.COUNTERCLOCKWISE,)
     counts[Component.SLIDE] = 0.6

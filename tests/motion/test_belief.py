@@ -37,7 +37,7 @@ def test_neither_changes_how_far_a_component_goes_nor_how_surely(belief, way, co
     other = belief.seen(way)
     for told in (Belief.amount, Belief.deviation, Belief.path):
         assert told(other, component) == pytest.approx(told(belief, component), abs=1e-9)
-    assert other.counts(component) == pytest.approx(belief.counts(component))
+    assert other.moves(component) == pytest.approx(belief.moves(component))
     assert other.by_size() == belief.by_size()
 
 
@@ -78,18 +78,18 @@ def test_fused_the_other_way_round_it_is_reversed(one, other):
     there, back = fused(one, other), fused(other, one)
     assert astuple(there.mean) == pytest.approx(astuple(BACKWARDS.of_twist(back.mean)))
     for component in (Component.TURN, Component.SLIDE):
-        assert there.counts(component) == pytest.approx(back.counts(component))
+        assert there.moves(component) == pytest.approx(back.moves(component))
 
 
 def test_a_way_that_does_not_turn_round_with_the_clip_hardly_counts():
     there = believed(Twist(5.0), clockwise=0.6, counterclockwise=0.35, press=0.9)
     same_way = believed(Twist(4.0), clockwise=0.55, counterclockwise=0.4, release=0.9)
-    assert fused(there, same_way).counts(Component.TURN) < 0.5
-    assert fused(there, there.seen(BACKWARDS)).counts(Component.TURN) == pytest.approx(0.95)
+    assert fused(there, same_way).moves(Component.TURN) < 0.5
+    assert fused(there, there.seen(BACKWARDS)).moves(Component.TURN) == pytest.approx(0.95)
     assert fused(there, same_way).way(Component.PRESS) is Motion.PRESS
     slanting = believed(Twist(0.0, 4.0, 3.9), right=0.5, down=0.45)
     lifting = believed(Twist(0.0, -3.9, -4.0), left=0.45, up=0.5)
-    assert fused(slanting, lifting).counts(Component.SLIDE) > 0.9
+    assert fused(slanting, lifting).moves(Component.SLIDE) > 0.9
 
 
 def believed(twist, covariance=None, **counts):

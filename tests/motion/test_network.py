@@ -92,7 +92,7 @@ def test_doubt_widens_what_is_believed_and_draws_probabilities_towards_a_half(tr
         assert doubted.mean == sure.mean
         np.testing.assert_allclose(doubted.covariance, 9 * sure.covariance, rtol=1e-5)
         for component in COMPONENTS:
-            shares = sure.counts(component), doubted.counts(component)
+            shares = sure.moves(component), doubted.moves(component)
             assert abs(shares[1] - 0.5) <= abs(shares[0] - 0.5)
 
 
@@ -101,7 +101,7 @@ def test_a_belief_says_what_the_network_told(trained):
     for place in range(6):
         belief, radius = belief_of_one(told, place), float(told.radius_px[place])
         counts = told.counts[place].sigmoid().tolist()
-        assert [belief.counts(one) for one in COMPONENTS] == pytest.approx(counts)
+        assert [belief.moves(one) for one in COMPONENTS] == pytest.approx(counts)
         assert all(0 <= share <= 1 for share in belief.ways.values())
         turn, right, down = told.path[place].tolist()
         assert math.radians(belief.mean.turn_deg) * radius == pytest.approx(turn, rel=1e-5)
