@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.relief import (
     RELIEF_SIDE,
+    Lights,
     as_of_one_light,
     is_inside_out,
     lights_of,
@@ -53,6 +54,7 @@ class Imprint:
     # Residual of the view as under the usual lights, RGB grey levels, (56, 56, 3) each.
     cells: list[Floats]
     relief: Floats  # indentation, (frames, 56, 56), in grey levels times pixels
+    is_shaded: bool  # whether the shading is that of a relief: not of markers or a print
     view: View  # the square of the picture they show
     places: list[int]  # which of the frames stands at each place of the clip
     aspect: float  # width of a pixel of the view over its height
@@ -76,9 +78,11 @@ def imprint_of(clip: Clip) -> Imprint:
         cv2.resize(cv2.extractChannel(part, 1), (VIEW_SIDE, height), interpolation=cv2.INTER_AREA)
         for part in seen
     ]
-    cells, relief = _under_usual_lights([area_means(part, RELIEF_SIDE) for part in seen], aspect)
+    cells = [area_means(part, RELIEF_SIDE) for part in seen]
+    lights = lights_of(cells, aspect)
+    cells, relief = _under_usual_lights(cells, lights, aspect)
     view = replace(view, picture_height_px=filled[0], picture_width_px=filled[1])
-    return Imprint(green, cells, relief, view, places, aspect)
+    return Imprint(green, cells, relief, lights.shade_relief, view, places, aspect)
 
 
 def area_means(values: NDArray[Any], side: int) -> NDArray[Any]:
@@ -152,13 +156,14 @@ def _distinct(frames: NDArray[np.uint8]) -> tuple[list[NDArray[np.uint8]], list[
     return distinct, places
 
 
-def _under_usual_lights(cells: list[Floats], aspect: float) -> tuple[list[Floats], Floats]:
+def _under_usual_lights(
+    cells: list[Floats], lights: Lights, aspect: float
+) -> tuple[list[Floats], Floats]:
     """Return pictures as under a GelSight Mini's lights, and their reliefs.
 
     Without it a recording turned by a quarter, whose lights come from where no training clip had
     them, is told worse: of 271 real turns 242 for 261.
     """
-    lights = lights_of(cells, aspect)
     if lights.are_one:
         cells = list(map(as_of_one_light, cells))
     elif lights.are_turned:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.alignment.direct import Aligned, Picture, Rigid, align
-from geotlm_lm.alignment.search import search
+from geotlm_lm.alignment.search import align_or_search
 from geotlm_lm.backbone.imprint import VIEW_SIDE, Imprint, gradients
 from geotlm_lm.backbone.relief import RELIEF_SCALE
 from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2
@@ -24,9 +24,6 @@ from geotlm_lm.core.geometry import FLOW_SCALE_PX, GRID_SIDE, IMAGE_SIDE
 Floats = NDArray[np.float32]
 
 GREEN_LEVELS, RELIEF_LEVELS = 3, 2
-
-LOST_CORRELATION = 0.6
-"""Correlation of two pictures below which the motion found is doubted and a search is made."""
 
 STILL_EVEN, STILL_RELIEF = 0.25, 0.15 * RELIEF_SCALE
 """Difference at which a pixel weighs half where a frame is laid on the first directly: of pictures
@@ -60,7 +57,7 @@ class Motions:
     # right and down in pixels of the 224-pixel image.
     twists: Floats
     deviations: Floats  # their standard deviations by the normal equations, (4, 3)
-    correlations: Floats  # how much of the picture each explains, (4,)
+    correlations: Floats  # how much of the picture each explains, (4,); 0 of no relief's
 
     @classmethod
     def none(cls) -> Motions:
@@ -83,30 +80,41 @@ class FoundMotions:
 
 
 def motions_of(imprint: Imprint) -> FoundMotions:
-    """Find how each distinct frame of a clip's imprint lies on the first."""
+    """Find how each distinct frame of a clip's imprint lies on the first.
+
+    Where the shading carries no relief, the residual's motions stand in the relief's place.
+    """
     count = len(imprint.green)
     pictures = [Picture.of(frame, GREEN_LEVELS) for frame in imprint.green]
     green = _Sequence(pictures, [picture.even() for picture in pictures], STILL_EVEN)
-    height = max(round(imprint.relief.shape[2] / imprint.aspect), 8)
-    size = (imprint.relief.shape[2], height)
-    flat = [cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in imprint.relief]
-    reliefs = [Picture.of(frame, RELIEF_LEVELS) for frame in flat]
-    relief = _Sequence(reliefs, reliefs, STILL_RELIEF)
+    relief = _relief_of(imprint) if imprint.is_shaded else None
     local = np.zeros((count, GRID_SIDE, GRID_SIDE, LOCAL_CHANNELS), np.float32)
     sureness = np.zeros((count, MOTION_NUMBERS), np.float32)
     sureness[:, [0, 4]] = 1
     local[0] = _beyond(pictures[0].image, pictures[0].image, Rigid())
     pairs: list[tuple[_Found, _Found]] = []
     for k in range(1, count):
-        in_green = green.next()
-        # The relief begins where the residual ended: its own detail is coarser.
-        in_relief = relief.next(in_green.step.motion, size[0] / VIEW_SIDE)
+        in_green = in_relief = green.next()
+        if relief is not None:
+            # It begins where the residual ended: its own detail is coarser.
+            in_relief = relief.next(in_green.step.motion, relief.size[1] / VIEW_SIDE)
         pairs.append((in_green, in_relief))
         local[k] = _beyond(pictures[0].image, pictures[k].image, in_green.direct.motion)
         sureness[k] = np.concatenate([_sureness(in_green.direct), _sureness(in_relief.direct)])
-    displacement = _displacement(pairs, (green.size, relief.size))
-    motions = _last(pairs, (green, relief), imprint) if pairs else Motions.none()
+    kinds = green, green if relief is None else relief
+    displacement = _displacement(pairs, tuple(kind.size for kind in kinds))
+    motions = _last(pairs, kinds, imprint) if pairs else Motions.none()
+    if relief is None:
+        motions.correlations[2:] = 0
     return FoundMotions(displacement, local, sureness, motions)
+
+
+def _relief_of(imprint: Imprint) -> _Sequence:
+    height = max(round(imprint.relief.shape[2] / imprint.aspect), 8)
+    size = (imprint.relief.shape[2], height)
+    flat = [cv2.resize(frame, size, interpolation=cv2.INTER_AREA) for frame in imprint.relief]
+    reliefs = [Picture.of(frame, RELIEF_LEVELS) for frame in flat]
+    return _Sequence(reliefs, reliefs, STILL_RELIEF)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,10 +153,7 @@ class _Sequence:
         self._place += 1
         before, after = self.pictures[self._place - 1], self.pictures[self._place]
         if start is None:
-            step = align(before, after)
-            if step.correlation < LOST_CORRELATION:
-                again = align(before, after, search(before.image, after.image))
-                step = max(step, again, key=lambda aligned: aligned.correlation)
+            step = align_or_search(before, after)
         else:
             begun = Rigid(start.turn_rad, start.right_px * scale, start.down_px * scale)
             step = align(before, after, begun)

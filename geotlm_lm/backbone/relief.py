@@ -12,6 +12,7 @@ the relief finds 0.86 of a turn (median; lower quartile 0.72), to that of the gr
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -40,6 +41,11 @@ wrongly, 93 % of their mirror images are found; the others' reliefs have no twis
 
 CURL_OF_RELIEF = 0.7
 """Most squared curl, as a share of the squared divergence, of slopes that a relief explains."""
+
+MOST_CURL = 0.4
+"""Curl, as a share of the divergence, up to which the shading carries the relief. Measured on every
+second real window: 98 % of 136 on a gel without markers lie below 0.32, 98 % of 63 on one with
+markers above 0.44, whose relief goes 30 to 80 pixels where the markers go 3."""
 
 TURNED_CURL = 0.6
 """The lights count as turned by a quarter when that leaves less than this share of the curl, and
@@ -76,6 +82,13 @@ class Lights:
     are_turned: bool = False
     are_mirrored: bool = False  # left for right, once they are turned back
     are_one: bool = False  # whether the picture tells them not apart: it is grey, or of one colour
+    # Squared curl of the slopes as a share of their squared divergence; 0 of a relief without noise
+    curl: float = math.inf
+
+    @property
+    def shade_relief(self) -> bool:
+        """Whether the shading is that of a relief, and no print or markers on the gel."""
+        return self.curl < MOST_CURL
 
 
 def slopes(residuals: Sequence[Floats], aspect: float = 1.0) -> tuple[Floats, Floats]:
@@ -108,8 +121,8 @@ def lights_of(residuals: Sequence[Floats], aspect: float = 1.0) -> Lights:
     wider, narrower = np.float32(aspect), np.float32(-1 / aspect)
     turned = _Curl.of(wider * y_by_x, wider * y_by_y, narrower * x_by_x, narrower * x_by_y)
     if turned.least < TURNED_CURL * usual.least and turned.is_of_relief:
-        return Lights(are_turned=True, are_mirrored=turned.is_less_mirrored)
-    return Lights(are_mirrored=usual.is_less_mirrored)
+        return turned.lights(are_turned=True)
+    return usual.lights(are_turned=False)
 
 
 def as_of_one_light(residual: Floats) -> Floats:
@@ -163,6 +176,12 @@ class _Curl:
     def is_less_mirrored(self) -> bool:
         is_less = self.mirrored < MIRRORED_CURL * self.kept
         return is_less and self.mirrored < CURL_OF_RELIEF * self.spread_mirrored
+
+    def lights(self, *, are_turned: bool) -> Lights:
+        """Return the lights under which these are the slopes."""
+        if self.is_less_mirrored:
+            return Lights(are_turned, True, curl=self.mirrored / max(self.spread_mirrored, 1e-9))
+        return Lights(are_turned, False, curl=self.kept / max(self.spread_kept, 1e-9))
 
     @property
     def is_of_relief(self) -> bool:
