@@ -19,11 +19,11 @@ from geotlm_lm.benchmarks.cases import (
     by_half,
     recordings_by_half,
     rows_of_half,
-    semi_real_slides,
     simulated_clips,
     titled,
 )
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.imprints import semi_real_slides
 from geotlm_lm.benchmarks.judging import Graded, share_row, share_rows
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
 from geotlm_lm.benchmarks.variants import BELIEF, FITS, GENERATED, RIVALS, question_for

@@ -11,6 +11,7 @@ from typing import Any
 
 from geotlm_lm.benchmarks.amounts import AMOUNTS, MIXTURES
 from geotlm_lm.benchmarks.clips import CLIPS_SECTION, clip_rows
+from geotlm_lm.benchmarks.detection import DETECTION
 from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, Section, Share
 from geotlm_lm.benchmarks.omissions import SAVED
 from geotlm_lm.benchmarks.pareto import COMMANDS, METHODS, SIMULATOR, STAGES
@@ -38,7 +39,7 @@ ACCURACY = Bench(
     name="accuracy",
     title="Accuracy",
     about="What is right, how often, and beside what: simulated, real and published numbers apart.",
-    sections=(CLIPS_SECTION, TRACKS, MIXTURES, AMOUNTS, READING, QUESTIONS, PROTOCOLS),
+    sections=(CLIPS_SECTION, DETECTION, TRACKS, MIXTURES, AMOUNTS, READING, QUESTIONS, PROTOCOLS),
 )
 
 EVALUATION = Bench(

@@ -16,18 +16,15 @@ from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.edit import Edit, opposite
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.errors import UnreadableClip, UsageError
-from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.numbers import generator_for, seed_for
+from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.data import tactile_tracking as tracking
 from geotlm_lm.data.labelled_recordings import (
     LabelledRecordings,
@@ -42,8 +39,6 @@ from geotlm_lm.data.tactile_tracking import (
     pair_clip,
     read_tactile_tracking,
 )
-from geotlm_lm.data.touch_table import TouchRow
-from geotlm_lm.recordings.read import read_clip
 
 if TYPE_CHECKING:
     from geotlm_lm.simulation.simulate import SimulatedClip
@@ -75,25 +70,6 @@ same, and the paper's totals are 49 and 76 a trial."""
 DataSet = TactileTracking | Manifest
 
 TrackedPairs = Sequence[tuple[Trial, Sequence[tracking.LabelledPair]]]
-
-Floats = NDArray[np.float32]
-
-TRAVEL_SHARE, SIDEWAYS_SHARE, TURN_DEG = (0.02, 0.12), 0.4, 2.0
-"""Travel relative to the width of the view, 0.4 to 2.4 mm of a GelSight Mini's 20 mm; travel across
-it at most, relative to it; and turn on the way at most: hands never slide quite straight."""
-
-NOISE_GREY = 0.4
-"""Fresh noise of each frame; the recordings' own, after their codec, is 0.25 to 0.4 grey levels."""
-
-BORDER_SHARE, MOST_AT_BORDER = 0.05, 0.35
-"""Width of the image's border relative to its width, and RMS change there relative to the whole
-image's, above which an imprint is cut off: moved, its straight cut would be seen."""
-
-LEAST_CHANGE_GREY, PRESS_FROM = 1.5, 0.25
-"""RMS change over the image below which there is no imprint worth moving, and strength a press
-begins at, relative to the recorded touch."""
-
-_TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
 
 
 def simulated_clips(
@@ -295,119 +271,3 @@ def pair_cases(pairs: TrackedPairs) -> Iterator[Case]:
         for pair in own:
             clip = pair_clip(recording, trial, pair)
             yield Case(clip, pair.motion, trial.object_id, trial.object_id)
-
-
-def semi_real_slides(
-    rows: Sequence[TouchRow], seed: int, left_out: Counter[str] | None = None
-) -> Iterator[tuple[Case, float]]:
-    """Yield a slide of each imprint, forwards and backwards, and its travel in its frames' pixels.
-
-    The four ways come in turn; `seed` is the root of travels, turns and noise. In the end
-    `left_out["cut_off_left_out"]` counts imprints that are faint or reach the border.
-    """
-    count = 0
-    for row, imprint, idle, rng in _imprints(rows, seed, "semi-real"):
-        motion, count = SLIDES[count % len(SLIDES)], count + 1
-        path_px, turn_deg = slide_path(motion, idle.shape[1], rng)
-        clip = carried(imprint, idle, rng, row.path.name, path_px=path_px, turn_deg=turn_deg)
-        for shown, truth in ((clip, motion), (clip.reversed(), opposite(motion))):
-            case = Case(shown, truth, row.object_id, row.object_family)
-            yield case, travel_of(imprint, path_px, turn_deg)
-    if left_out is not None:
-        left_out["cut_off_left_out"] = len(rows) - count
-
-
-def semi_real_held(rows: Sequence[TouchRow], seed: int) -> Iterator[Case]:
-    """Yield each imprint held still, pressed in and let go, in the place where it was recorded.
-
-    Held, only fresh noise changes from frame to frame. Pressed in, the recorded change against the
-    idle gel grows from `PRESS_FROM` of it to all of it: real contacts also widen, which lacks here.
-    """
-    for row, imprint, idle, rng in _imprints(rows, seed, "semi-real held"):
-        still, pressed = (
-            carried(imprint, idle, rng, row.path.name, growth=(begin, 1.0))
-            for begin in (1.0, PRESS_FROM)
-        )
-        shown = (still, Motion.STILL), (pressed, Motion.PRESS)
-        for clip, motion in (*shown, (pressed.reversed(), Motion.RELEASE)):
-            tags = {"held": "held still" if motion is Motion.STILL else "pressed or let go"}
-            yield Case(clip, motion, row.object_id, row.object_family, tags)
-
-
-def slide_path(
-    motion: Motion, columns: int, rng: np.random.Generator
-) -> tuple[NDArray[np.float64], float]:
-    """Draw the travel right and down of a slide in frames so wide, in pixels, and its turn, deg."""
-    along = rng.uniform(*TRAVEL_SHARE) * columns
-    aside = rng.uniform(-SIDEWAYS_SHARE, SIDEWAYS_SHARE) * along
-    toward = np.array(_TOWARDS[motion], float)
-    path_px = along * toward + aside * toward[::-1]
-    return path_px, rng.uniform(-TURN_DEG, TURN_DEG)
-
-
-def travel_of(imprint: Floats, path_px: Sequence[float], turn_deg: float) -> float:
-    """Return how far the middle of an imprint goes when it is carried, in pixels.
-
-    The turn is about the middle of the image, and takes an imprint beside it along.
-    """
-    rows, columns = imprint.shape[:2]
-    weight = np.square(imprint).sum(axis=-1)
-    weight /= weight.sum()
-    arm_x = float(weight.sum(axis=0) @ np.arange(columns)) - columns / 2
-    arm_y = float(weight.sum(axis=1) @ np.arange(rows)) - rows / 2
-    cos, sin = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
-    x = path_px[0] + (cos - 1) * arm_x - sin * arm_y
-    y = path_px[1] + sin * arm_x + (cos - 1) * arm_y
-    return float(np.hypot(x, y))
-
-
-def carried(
-    imprint: Floats,
-    idle: Floats,
-    rng: np.random.Generator,
-    name: str = "",
-    *,
-    path_px: Sequence[float] = (0.0, 0.0),
-    turn_deg: float = 0.0,
-    growth: tuple[float, float] = (1.0, 1.0),
-) -> Clip:
-    """Return four frames of an imprint on the idle gel, evenly from its own place to another.
-
-    `imprint` is a touched frame's change against the idle gel, (rows, columns, 3), grey levels. It
-    travels `path_px` right and down, turns about the image's middle, positive clockwise, and
-    grows from the first strength of `growth` to the last, 1 as recorded.
-    """
-    rows, columns = idle.shape[:2]
-    frames = []
-    for share in np.linspace(0, 1, FRAME_COUNT):
-        # OpenCV turns counterclockwise for positive angles; here clockwise is positive.
-        matrix = cv2.getRotationMatrix2D((columns / 2, rows / 2), -turn_deg * share, 1.0)
-        matrix[:, 2] += share * np.asarray(path_px)
-        moved = cv2.warpAffine(imprint, matrix, (columns, rows), flags=cv2.INTER_CUBIC)
-        strength = growth[0] + share * (growth[1] - growth[0])
-        noise = rng.normal(0, NOISE_GREY, idle.shape)
-        frames.append(_as_image(idle + strength * moved + noise))
-    return Clip(np.stack(frames), background=_as_image(idle), name=name)
-
-
-def _imprints(
-    rows: Sequence[TouchRow], seed: int, purpose: str
-) -> Iterator[tuple[TouchRow, Floats, Floats, np.random.Generator]]:
-    """Yield each recording with its imprint, neither faint nor cut off, its idle gel and a draw."""
-    for index, row in enumerate(rows):
-        frames = read_clip(row.path).frames
-        row.check_length(len(frames))
-        idle = frames[row.surely_idle].mean(axis=0, dtype=np.float32)
-        touched = frames[row.contact_start : row.contact_end + 1]
-        changes = [np.square(frame - idle).mean() for frame in touched]
-        imprint = touched[int(np.argmax(changes))] - idle
-        width = round(BORDER_SHARE * idle.shape[1])
-        square = np.square(imprint).mean(axis=-1)
-        inner, whole = square[width:-width, width:-width], square.mean()
-        at_border = (square.sum() - inner.sum()) / (square.size - inner.size)
-        if whole >= LEAST_CHANGE_GREY**2 and at_border <= MOST_AT_BORDER**2 * whole:
-            yield row, imprint.astype(np.float32), idle, generator_for(seed, purpose, index)
-
-
-def _as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)

@@ -25,8 +25,6 @@ from geotlm_lm.benchmarks.cases import (
     pair_cases,
     real_recordings,
     rows_of_half,
-    semi_real_held,
-    semi_real_slides,
     simulated_cases,
     task_of,
     titled,
@@ -34,6 +32,7 @@ from geotlm_lm.benchmarks.cases import (
     window_cases,
 )
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
+from geotlm_lm.benchmarks.imprints import semi_real_slides
 from geotlm_lm.benchmarks.judging import NEAR, Case, Replies, Variant, ask_all, rows_of_replies
 from geotlm_lm.benchmarks.rendering import markdown, right_with_interval
 from geotlm_lm.benchmarks.variants import GENERATED, PROBE, RIVALS, all_variants
@@ -142,10 +141,6 @@ def _recordings(run: Run, name: str, real: LabelledRecordings, half: Half | None
     title, left_out = titled(f"semi-real {name}, sliding", half), Counter(cut_off_left_out=0)
     slides = (case for case, _ in semi_real_slides(touched, run.seed, left_out))
     yield from judge.rows(title, judge.ask(title, slides, SLIDES, 2 * len(touched)), left_out)
-    held, title = semi_real_held(touched, run.seed), titled(f"semi-real {name}", half)
-    replies = judge.ask(title, held, tuple(Motion), 3 * len(touched))
-    for way in sorted({case.tags["held"] for case in replies.cases}):
-        yield from judge.rows(titled(f"semi-real {name}, {way}", half), replies.where(held=way))
 
 
 def _windows(judge: Judge, name: str, own: LabelledRecordings, half: Half | None) -> Iterator[Row]:

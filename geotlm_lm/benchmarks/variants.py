@@ -99,13 +99,14 @@ def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
     a small motion. Of a whole recording it is given the part in contact: step by step the noise of
     an untouched gel would add up to any motion.
     """
+    return timed(lambda clip, among: predict(on_gel(clip), among))
 
-    def on_gel(clip: Clip, among: tuple[Motion, ...]) -> Motion:
-        if clip.background is None:
-            clip = replace(clip, background=estimate_background(clip.frames))
-        return predict(clip if len(clip) <= FRAME_COUNT else touched_part(clip), among)
 
-    return timed(on_gel)
+def on_gel(clip: Clip) -> Clip:
+    """Return what a rival is given of a clip, with its idle gel; see `rival`."""
+    if clip.background is None:
+        clip = replace(clip, background=estimate_background(clip.frames))
+    return clip if len(clip) <= FRAME_COUNT else touched_part(clip)
 
 
 def belief_of_slots(bundle: Bundle, encoded: Encoded) -> Belief:

@@ -14,8 +14,6 @@ from geotlm_lm.benchmarks.cases import (
     open_data_sets,
     real_recordings,
     rows_of_half,
-    semi_real_held,
-    semi_real_slides,
     simulated_cases,
     task_of,
     window_cases,
@@ -23,10 +21,8 @@ from geotlm_lm.benchmarks.cases import (
 from geotlm_lm.benchmarks.harness import Run
 from geotlm_lm.benchmarks.judging import Reply
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.data.touch_table import TouchRow
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation import simulate
 from tests.data.action_clips import write_actions
@@ -181,73 +177,3 @@ def test_a_manifest_is_judged_by_task_and_by_sensor(listed):
 def test_two_data_sets_of_one_name_are_refused(listed):
     with pytest.raises(UsageError, match="another data set is called 'manifest touchd' too"):
         open_data_sets([listed, listed])
-
-
-ROWS, COLUMNS = 120, 160
-TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
-
-
-def idle_gel():
-    y, x = np.mgrid[:ROWS, :COLUMNS]
-    return np.stack([90 + 0.2 * x, 110 + 0.1 * y, 120 - 0.1 * x], -1).astype(np.float32)
-
-
-def blob(x, y, strength=40.0, radius=14.0):
-    rows, columns = np.mgrid[:ROWS, :COLUMNS]
-    height = np.exp(-((columns - x) ** 2 + (rows - y) ** 2) / (2 * radius**2))
-    return strength * np.stack([np.gradient(height, axis=1) * radius] * 3, -1).astype(np.float32)
-
-
-def recording(folder, name, imprint, family="caps"):
-    """Twelve frames: eight idle, four touched."""
-    frames = np.stack([idle_gel()] * 8 + [idle_gel() + imprint] * 4)
-    np.save(folder / name, np.clip(np.rint(frames), 0, 255).astype(np.uint8))
-    return TouchRow(folder / name, 25.0, 8, 11, name, family)
-
-
-def middles(clip):
-    """Middle of the imprint in every frame, (x, y) in pixels."""
-    change = clip.frames[..., 1].astype(float) - clip.background[..., 1]
-    weight = np.square(change) * (np.abs(change) > 3)
-    rows, columns = np.mgrid[:ROWS, :COLUMNS]
-    return np.stack([[(w * columns).sum(), (w * rows).sum()] / w.sum() for w in weight])
-
-
-def test_the_four_ways_come_in_turn_and_each_is_played_backwards_too(tmp_path):
-    rows = [recording(tmp_path, f"{k}.npy", blob(80, 60)) for k in range(4)]
-    made = list(semi_real_slides(rows, seed=0))
-    truths = [case.motion for case, _ in made]
-    assert truths[::2] == list(SLIDES)
-    assert truths[1::2] == [opposite(motion) for motion in SLIDES]
-    for case, travel_px in made:
-        places = middles(case.clip)
-        travel, along = places[-1] - places[0], np.array(TOWARDS[case.motion])
-        assert np.hypot(*travel) == pytest.approx(travel_px, rel=0.1)
-        assert 0.015 * COLUMNS < travel @ along < 0.13 * COLUMNS
-        assert abs(travel @ along[::-1]) < 0.5 * (travel @ along)
-
-
-def test_imprints_cut_off_or_faint_are_left_out_and_counted(tmp_path):
-    rows = [
-        recording(tmp_path, "whole.npy", blob(80, 60)),
-        recording(tmp_path, "cut.npy", blob(4, 60)),
-        recording(tmp_path, "faint.npy", blob(80, 60, strength=0.5)),
-    ]
-    left_out = Counter()
-    slides = semi_real_slides(rows, 0, left_out)
-    assert {case.object_id for case, _ in slides} == {"whole.npy"}
-    assert left_out == {"cut_off_left_out": 2}
-
-
-def test_an_imprint_is_held_and_grows_where_it_is_and_a_release_is_that_backwards(tmp_path):
-    held = list(semi_real_held([recording(tmp_path, "a.npy", blob(80, 60))], seed=0))
-    still, press, release = held
-    assert [case.motion for case in held] == [Motion.STILL, Motion.PRESS, Motion.RELEASE]
-    assert 0.1 < np.diff(still.clip.frames.astype(int), axis=0).std() < 1.0
-    assert np.linalg.norm(middles(still.clip)[-1] - middles(still.clip)[0]) < 0.2
-    change = press.clip.frames[..., 1].astype(float) - press.clip.background[..., 1]
-    strength = np.abs(change).max(axis=(1, 2))
-    # The recorded imprint's steepest point is 24 grey levels; a quarter of it at first.
-    assert strength / strength[-1] == pytest.approx([0.25, 0.5, 0.75, 1.0], abs=0.08)
-    assert np.linalg.norm(middles(press.clip)[-1] - middles(press.clip)[0]) < 1.0
-    assert np.array_equal(release.clip.frames, press.clip.frames[::-1])
