@@ -56,7 +56,9 @@ class Motions:
     # float32 (4, 3), one row for each of `MEASURED`: turn in rad, clockwise positive, way to the
     # right and down in pixels of the 224-pixel image.
     twists: Floats
-    deviations: Floats  # their standard deviations by the normal equations, (4, 3)
+    # Their standard deviations by the normal equations and the residual, of a chain those of its
+    # steps together, (4, 3): white noise; what codecs and lamps add, `motion.noise` knows.
+    deviations: Floats
     correlations: Floats  # how much of the picture each explains, (4,); 0 of no relief's
 
     @classmethod
@@ -124,6 +126,7 @@ class _Found:
     step: Aligned
     direct: Aligned
     chained: Rigid
+    variances: NDArray[np.float64]  # of the chain: turn at half the longer side, right, down, px^2
 
 
 class _Sequence:
@@ -138,7 +141,7 @@ class _Sequence:
     ) -> None:
         self.pictures = pictures
         self._direct, self._still = direct, still
-        self._place, self._chained = 0, Rigid()
+        self._place, self._chained, self._variances = 0, Rigid(), np.zeros(3)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -158,9 +161,10 @@ class _Sequence:
             begun = Rigid(start.turn_rad, start.right_px * scale, start.down_px * scale)
             step = align(before, after, begun)
         self._chained = step.motion.after(self._chained)
+        self._variances = self._variances + _variances(step)
         first, last = self._direct[0], self._direct[self._place]
         direct = align(first, last, self._chained, still_grey=self._still, levels=1)
-        return _Found(step, direct, self._chained)
+        return _Found(step, direct, self._chained, self._variances)
 
 
 def _displacement(pairs: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Floats:
@@ -224,8 +228,13 @@ def _beyond(first: Floats, now: Floats, motion: Rigid) -> Floats:
 
 def _sureness(aligned: Aligned) -> Floats:
     """Return correlation, and logs of the deviations of turn, right and down, picture's pixels."""
-    deviations = np.sqrt(np.diag(aligned.covariance)) * aligned.residual
+    deviations = np.sqrt(_variances(aligned))
     return np.array([aligned.correlation, *np.log(deviations + 1e-3)], np.float32)
+
+
+def _variances(aligned: Aligned) -> NDArray[np.float64]:
+    """Return the variances of turn at half the longer side, right and down, picture's pixels."""
+    return np.diag(aligned.covariance) * aligned.residual**2
 
 
 def _last(
@@ -236,11 +245,11 @@ def _last(
     for pair, pictures in zip(pairs[-1], kinds, strict=True):
         rows, columns = pictures.size
         wide, high = imprint.view.side_px / columns, imprint.view.side_px / rows
-        spread = np.sqrt(np.diag(pair.direct.covariance)) * pair.direct.residual
-        spread = spread * (2 / max(rows, columns), wide, high)
-        for motion in (pair.chained, pair.direct.motion):
+        scale = np.array([2 / max(rows, columns), wide, high])
+        ways = (pair.chained, pair.variances), (pair.direct.motion, _variances(pair.direct))
+        for motion, variances in ways:
             twists.append((motion.turn_rad, motion.right_px * wide, motion.down_px * high))
-            deviations.append(spread)
+            deviations.append(np.sqrt(variances) * scale)
             correlations.append(pair.direct.correlation)
     return Motions(
         np.array(twists, np.float32),
