@@ -57,7 +57,7 @@ class Motions:
     # right and down in pixels of the 224-pixel image.
     twists: Floats
     # Their standard deviations by the normal equations and the residual, of a chain those of its
-    # steps together, (4, 3): white noise; what codecs and lamps add, `motion.noise` knows.
+    # least certain step, (4, 3): white noise; what codecs and lamps add is not in it.
     deviations: Floats
     correlations: Floats  # how much of the picture each explains, (4,); 0 of no relief's
 
@@ -126,7 +126,8 @@ class _Found:
     step: Aligned
     direct: Aligned
     chained: Rigid
-    variances: NDArray[np.float64]  # of the chain: turn at half the longer side, right, down, px^2
+    # Of the chain's least certain step: turn at half the longer side, right, down, px^2.
+    variances: NDArray[np.float64]
 
 
 class _Sequence:
@@ -161,7 +162,8 @@ class _Sequence:
             begun = Rigid(start.turn_rad, start.right_px * scale, start.down_px * scale)
             step = align(before, after, begun)
         self._chained = step.motion.after(self._chained)
-        self._variances = self._variances + _variances(step)
+        # Noise of the frames between cancels: each is earlier in one step and later in the next.
+        self._variances = np.maximum(self._variances, _variances(step))
         first, last = self._direct[0], self._direct[self._place]
         direct = align(first, last, self._chained, still_grey=self._still, levels=1)
         return _Found(step, direct, self._chained, self._variances)
