@@ -158,6 +158,12 @@ class _Level:
 
 SMALL_SAMPLE = 2000
 
+WORSE = 1.2
+"""Squared error over that at the start from which on steps have lost their way."""
+
+LEAST_GAIN = 0.33
+"""Contrast of the later picture over the earlier one's below which steps grow no longer."""
+
 LEAST_WEIGHT = 0.02
 """Weight of a pixel that has not changed at all: stillness must stay found."""
 
@@ -257,18 +263,28 @@ def _refined(
     weights: tuple[float | None, float],
     close_px: float,
 ) -> tuple[Rigid, Floats]:
-    """Return the motion after Gauss-Newton steps, and what is left of each pixel compared."""
+    """Return the motion after Gauss-Newton steps, and what is left of each pixel compared.
+
+    Steps that leave clearly more than there was at the start have lost their way and are undone.
+    """
     rows, columns = level.image.shape
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     solve, (still_grey, least) = level.solver, weights
     if still_grey is not None:
         solve = level.solver_of_change(later, still_grey, least)
+    start = None
     for _ in range(ITERATIONS):
         way = motion.matrix(rows, columns)
         warped = cv2.warpAffine(later, way, (columns, rows), flags=flags)
         error = warped.ravel()[level.compared] - level.values
         turn, right, down, gain, offset = (solve @ error).tolist()
+        left = error - offset - gain * level.values
+        if start is None:
+            start = motion, left
+        # A picture of more contrast is steeper by as much: its steps would be too long.
+        steeper = max(1 + gain, LEAST_GAIN)
+        turn, right, down = turn / steeper, right / steeper, down / steeper
         motion = motion.after(Rigid(turn / level.lever_px, right, down).inverse())
         if max(abs(turn), abs(right), abs(down)) < close_px:
             break
-    return motion, error - offset - gain * level.values
+    return (motion, left) if left @ left <= WORSE * (start[1] @ start[1]) else start
