@@ -186,7 +186,7 @@ class SimulatedAnswer(TypedDict):
     confidence: float
     true_motion: Motion
     true_ways: list[Motion]
-    counts: dict[str, bool | None]
+    moves: dict[str, bool | None]
     is_visible: dict[str, bool]
     is_right: bool
     true: dict[str, float]

@@ -158,15 +158,15 @@ def simulate(answerer: Answerer, touch: Touch) -> Simulated:
     true, read = (_numbers(twist) for twist in (made.twist, shown.encoded.belief.mean))
     components = made.components
     # Those that it goes, or goes perhaps.
-    ways = (part.way for part in components.values() if part.counts is not False)
+    ways = (part.way for part in components.values() if part.moves is not False)
     facts = {
         "answer": answer.text,
         "how_far": how_far.text,
         "direction": None if answer.direction is None else answer.direction.value,
         "confidence": round(answer.confidence, 4),
         "true_motion": made.label.motion.value,
-        "true_ways": [part.way.value for part in components.values() if part.counts],
-        "counts": {name.value: part.counts for name, part in components.items()},
+        "true_ways": [part.way.value for part in components.values() if part.moves],
+        "moves": {name.value: part.moves for name, part in components.items()},
         "is_visible": {name.value: part.is_visible for name, part in components.items()},
         "is_right": answer.direction in {made.label.motion, *ways},
         "true": _rounded(true),

@@ -15,17 +15,22 @@ from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 from geotlm_lm.track.block import believed
 
+CLEAR = 10.0
+"""Path over its limit from which on nothing that grows feigns it."""
+
 
 def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     """Return what is believed of a clip, given its perception.
 
     What is faint or cut off is believed with a wider spread, and less surely. A contact that grows
-    may look as if it turned or slid: where a press counts and either of these does too, the clip is
-    perceived once more, played backwards, and what does not turn round with it is not believed.
+    may look as if it turned or slid: where it is pressed and either of these is not far beyond its
+    limit, the clip is perceived once more, played backwards, and what does not turn round with it
+    is not believed.
     """
-    belief, counts = _first_belief(bundle, encoded), Belief.moves
-    goes = max(counts(belief, one) for one in (Component.TURN, Component.SLIDE))
-    if min(counts(belief, Component.PRESS), goes) < 0.5:
+    belief = _first_belief(bundle, encoded)
+    moving = [part for part in (Component.TURN, Component.SLIDE) if belief.moves(part) >= 0.5]
+    doubtful = [part for part in moving if belief.path(part) < CLEAR * belief.limits[part]]
+    if not doubtful or belief.moves(Component.PRESS) < 0.5:
         return belief
     clip = encoded.clip.reversed()
     backwards = replace(encoded, clip=clip, perception=bundle.model.perceive([clip]))

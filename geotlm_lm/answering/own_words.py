@@ -62,7 +62,7 @@ def _asked(decision: Decision) -> tuple[str, Slots] | None:
     is_plain = decision.edit == Edit() and part.subject == t.Subject() and not decision.missing
     moves = decision.movements
     is_one = len(moves) == 1 and not (moves[0].aslant or moves[0].barely or moves[0].times)
-    if not is_plain or decision.denied or decision.happenings:
+    if not is_plain or decision.denied or decision.limits or decision.happenings:
         return None
     if ask.kind == "way" and ask.of in _OPEN and (is_one or (not moves and ask.of is None)):
         motion = moves[0].way if moves else decision.rest

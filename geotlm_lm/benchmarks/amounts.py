@@ -94,7 +94,7 @@ def grades(label: MotionLabel, predicted: Prediction) -> Iterator[tuple[str, boo
     """Yield what is graded of a clip, such as "turn: way", and whether it is right."""
     ways, both = _parts(twist_of(label)), []
     for part, truth in components_of(label).items():
-        is_counting = truth.counts
+        is_counting = truth.moves
         if is_counting is None or (is_counting and not truth.is_visible):
             continue
         if part in predicted.counting:

@@ -153,7 +153,7 @@ def _planned(scene: Scene, component: Component, begin: int, end: int) -> Planne
     path = Path(*((row[begin], row[end]) for row in rows))
     made = simulate([replace(scene, path=path)], seed=0, with_frames=False)[0]
     truth = made.components[component]
-    return Planned(component, begin, end, made.twist, bool(truth.counts) and truth.is_visible)
+    return Planned(component, begin, end, made.twist, bool(truth.moves) and truth.is_visible)
 
 
 def _track_rows(run: Run) -> Iterator[Row]:

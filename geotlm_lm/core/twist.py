@@ -33,15 +33,12 @@ WAYS = {
 
 COMPONENT_OF = {way: component for component, ways in WAYS.items() for way in ways}
 
-STILL_PX, COUNTING_PX = 0.4, 1.0
-"""Path of the imprint up to which a turn or a slide does not count as one, and from which on it
-does; what lies between is ambiguous. Laid one on the other, two real frames two apart of 542 turns
-of 2.4 degrees, 0.9 pixels at the contact's radius, tell the sense of 0.974: an error of 0.4 pixels
-(one deviation) does that."""
+AT_REST_PX, MOVING_PX = 0.02, 0.3
+"""Path of the imprint up to which it is at rest, and from which on that it moves is asked of what
+is measured: nearly all real imprints moved so far are seen to. What lies between is not graded."""
 
-STILL_MM, COUNTING_MM = 0.06, 0.15
+AT_REST_MM, MOVING_MM = 0.01, 0.06
 """The same of the approach of an object: a hand that only turns lets it vary by 0.06 mm."""
-
 
 BARELY_PX, BARELY_MM = 1.0, 0.15
 """Path below which a turn or a slide, and a press, that is seen is said to move barely."""
@@ -87,9 +84,13 @@ class Twist:
         }[component]
 
 
-def counts(component: Component, path: float) -> bool | None:
-    """Tell whether a component of a `Twist.path` counts; None where it is ambiguous."""
-    low, high = (STILL_MM, COUNTING_MM) if component is Component.PRESS else (STILL_PX, COUNTING_PX)
+def moves(component: Component, path: float) -> bool | None:
+    """Tell whether a component of a `Twist.path` moves; None where that is too little to grade."""
+    is_press = component is Component.PRESS
+    low, high = (AT_REST_MM, MOVING_MM) if is_press else (AT_REST_PX, MOVING_PX)
     if path >= high:
         return True
     return False if path <= low else None
+
+
+STILL_PX, COUNTING_PX, STILL_MM = 0.4, 1.0, 0.06

@@ -30,6 +30,9 @@ SQUARE_ASPECT = pixel_aspect(IMAGE_SIDE, IMAGE_SIDE)
 CANDIDATES = 5
 """The stem's four rigid motions, and the learned shear's."""
 
+SHEAR_NOISE_PX = 0.1
+"""Path of the learned shear, turn or travel, below which 95 of 100 held imprints stay, about."""
+
 LEAST_RADIUS_PX = 4.0
 
 SHEAR_SHARE = 1.5
@@ -43,22 +46,27 @@ class Measured:
     # Candidates, (b, CANDIDATES, 3): turn at the contact's radius, clockwise positive, and travel
     # of the contact's middle to the right and down; pixels of the 224-pixel image.
     paths: Tensor
-    radius_px: Tensor  # radius of the contact, (b,), likewise
+    # Deviations of the candidates by white noise alone, likewise, (b, CANDIDATES, 3); of the shear
+    # what 95 of 100 held imprints stay below.
+    white: Tensor
+    is_measured: Tensor  # whether there is such a candidate at all, (b, CANDIDATES)
+    growth: Tensor  # log of the imprint's contrast in the late time-bin over the early one, (b,)
+    radius_px: Tensor  # radius of the contact, pixels of the 224-pixel image, (b,)
     hints: Tensor  # what tells which candidate to trust, and what none of them does, (b, hints)
 
     def only(self, rows: Tensor | slice) -> Measured:
         """Return what is measured of some of the clips."""
-        return Measured(self.paths[rows], self.radius_px[rows], self.hints[rows])
+        return Measured(*(value[rows] for value in vars(self).values()))
 
     def to(self, device: str) -> Measured:
         """Return it on a device."""
-        return Measured(self.paths.to(device), self.radius_px.to(device), self.hints.to(device))
+        return Measured(*(value.to(device) for value in vars(self).values()))
 
     @classmethod
     def joined(cls, parts: Sequence[Measured]) -> Measured:
         """Return what is measured of several batches, one behind the other."""
-        names = ("paths", "radius_px", "hints")
-        return cls(*(torch.cat([getattr(part, name) for part in parts]) for name in names))
+        columns = zip(*(vars(part).values() for part in parts), strict=True)
+        return cls(*map(torch.cat, columns))
 
 
 def measured(
@@ -94,7 +102,11 @@ def measured(
         ],
         dim=1,
     )
-    return Measured(paths, radius, hints)
+    white = torch.full_like(paths, SHEAR_NOISE_PX)
+    white[:, :-1] = _white(motions, radius, middle)
+    is_measured = torch.ones(paths.shape[:2], dtype=torch.bool)
+    is_measured[:, :-1] = motions[..., 6] > 0
+    return Measured(paths, white, is_measured, _growth(inputs), radius, hints)
 
 
 def _contact(mask: Tensor, side: Tensor) -> tuple[Tensor, Tensor]:
@@ -126,6 +138,25 @@ def _travel(turn: Tensor, way: Tensor, middle: Tensor, aspect: float) -> Tensor:
     return (place - was) / stretch
 
 
+def _white(motions: Tensor, radius: Tensor, middle: Tensor) -> Tensor:
+    """Return the deviations of the paths by white noise, (b, k, 3)."""
+    turn = motions[..., 3]
+    arm = middle.flip(1).abs()[:, None] * turn[..., None]
+    way = torch.hypot(motions[..., 4:6], arm)
+    return torch.cat([(turn * radius[:, None])[..., None], way], dim=-1)
+
+
+def _growth(inputs: Tensor) -> Tensor:
+    """Return by how much the contrast of the residual grows from early to late, as a log, (b,)."""
+    early, late = _contrast(inputs).add(0.02).log().unbind(dim=1)
+    return late - early
+
+
+def _contrast(inputs: Tensor) -> Tensor:
+    """Return the mean residual of each time-bin, (b, 2)."""
+    return inputs[..., :RESIDUAL_DIM].abs().mean(dim=(2, 3, 4))
+
+
 def _sureness(motions: Tensor, radius: Tensor) -> Tensor:
     deviations, alike = motions[..., 3:6], motions[..., 6]
     at_radius = torch.cat([deviations[..., :1] * radius[:, None, None], deviations[..., 1:]], -1)
@@ -135,16 +166,15 @@ def _sureness(motions: Tensor, radius: Tensor) -> Tensor:
 def _whole(inputs: Tensor, geometry: Geometry, side: Tensor, radius: Tensor) -> Tensor:
     """Return what the whole view tells of contact, pressing and sureness, (b, n)."""
     bins = inputs.mean(dim=(2, 3))
-    contrast = inputs[..., :RESIDUAL_DIM].abs().mean(dim=(2, 3, 4))
+    contrast = _contrast(inputs)
     mask = _on_grid_of(inputs, geometry.mask.float())[:, None, :, :, None]
     touched = (inputs[..., RELIEF_AT : RELIEF_AT + 1] * mask).mean(dim=(2, 3, 4))
     mass = geometry.region_mass[:, REGIONS.index("global")].float()[:, None]
-    growth = contrast[:, 1:].add(0.02).log() - contrast[:, :1].add(0.02).log()
     spread = _divergence(inputs, geometry)
     return torch.cat(
         [
             contrast.add(0.02).log(),
-            growth,
+            _growth(inputs)[:, None],
             touched,
             touched[:, 1:] - touched[:, :1],
             bins[:, :, -MOTION_NUMBERS:].flatten(1),

@@ -1,8 +1,9 @@
-"""A small network that fuses what is measured of a motion into a Belief.
+"""A robust mixture of what is measured, and a small network that may bend it, made into a Belief.
 
-Its mean is a weighted mean of the measured motions, times a gain, plus a correction: before
-training it equals the measured fusion, and what it learns is which measurement to trust, how much
-of the motion each finds, how far off it may be, and which components count.
+Candidates that disagree beyond their spreads are not averaged: the best supported of them and those
+that agree with it are. A network learns how far to trust each, how much of a motion they miss and
+what else looks like one, all within bounds, so that nothing learned turns a measured motion round;
+and far from what it has seen, it is left out.
 """
 
 from __future__ import annotations
@@ -15,22 +16,58 @@ import torch
 from torch import Tensor, nn
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import Component, Twist
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 
-HIDDEN = 192
+HIDDEN = 128
 
-GREEN_CHAINED, GREEN_DIRECT = 0, 1
-START_WEIGHT = 2.0
-"""Log of how much more the motions found in the residual weigh before training."""
+TURN_NOISE = (4.0, 11.0, 4.5, 9.0, 1.0)
+SLIDE_NOISE = (3.6, 10.0, 5.0, 9.0, 1.0)
+"""Deviation of each candidate, in those of white noise: what codecs, lamps and warps add. So large
+that 95 of 100 held imprints stay below 1.96 of them."""
 
-FLOOR_PX, SHARE_OF_PATH = 0.25, 0.05
-"""Least deviation of a path that is told: the noise of pairs of real frames, and a share of it."""
+LEAST_NOISE_PX = 0.01
 
-FLOOR_MM = 0.02
+PRIOR_GATE = (3.0, 1.0, 0.5, 0.0, 0.0)
+"""Logits of the candidates before anything is learned, and far from what was seen."""
 
-PRESS_SCALE_MM = 0.2
+GATE_REACH = 3.0
+"""Most by which a logit is learned to differ."""
+
+AGREEING = 0.25
+"""Share of the smaller by which two candidates may differ beside their noise and still agree."""
+
+SHARE_OF_PATH = 0.1
+"""Deviation of any candidate as a share of its path, where they are weighed."""
+
+LOG_GAIN = (math.log(0.7), math.log(1.5))
+"""Bounds of what is missing of a measured path: a pad holds back a part of every turn."""
+
+CARRIED = 0.5
+"""Most of a turn's path by which the middle of a contact, wrongly placed, seems to slide."""
+
+RELATIVE, LEAKING, GROWING_PX = (0.03, 0.5), (0.01, 0.5), (0.1, 6.0)
+"""Bounds of a deviation: as a share of its own path, of the other component's, and for an imprint
+whose contrast grows by a factor of e."""
+
+UNKNOWN_RELATIVE, UNKNOWN_LEAKING, UNKNOWN_GROWING_PX = 0.25, 0.1, 2.0
+"""The same far from what was seen."""
+
+LEAST_MM, PRESS_SCALE_MM = 0.01, 0.2
+
+SIGNIFICANT = (2.8, 2.8, 2.4)
+"""Path over its noise from which on a turn, a slide and a press are significant, at the least: of
+real held imprints one in a hundred reaches it. Training raises what that does not suffice for."""
+
+SPAN_DEVIATIONS = 1.645
+"""Half of a span of nine in ten; what it does not keep from zero is not significant either."""
+
+STEEPNESS = 5.0
+"""Of the probability that a component moves against the log of its significance."""
+
+AXES = 24
+"""Directions in which hints of training vary most, and their distance is taken."""
 
 READABLE = 0.5
 """Probability from which a component counts as readable."""
@@ -39,14 +76,15 @@ BELIEF_NUMBERS = 18
 """Of a Belief in one vector, as the language model reads it."""
 
 _OUTPUTS = {
-    "turn_weights": CANDIDATES,
-    "slide_weights": CANDIDATES,
+    "turn_gate": CANDIDATES,
+    "slide_gate": CANDIDATES,
     "gains": 2,
-    "corrections": 3,
+    "carried": 2,
+    "relative": 2,
+    "leaking": 2,
+    "growing": 2,
     "inward": 1,
-    "deviations": 4,
-    "counts": 3,
-    "press_in": 1,
+    "inward_deviation": 1,
     "contact": 1,
     "readable": 3,
 }
@@ -54,24 +92,61 @@ _OUTPUTS = {
 
 @dataclass(frozen=True, eq=False)
 class Beliefs:
-    """What the network believes of b clips, before it is told."""
+    """What is believed of b clips."""
 
     # Turn at the contact's radius, right and down, pixels of the 224-pixel image, (b, 3).
     path: Tensor
     inward_mm: Tensor  # approach, (b,)
-    deviation: Tensor  # of the three paths and the approach, (b, 4)
-    counts: Tensor  # logits that turn, slide and press count, (b, 3)
-    press_in: Tensor  # logit that a press that counts goes in, (b,)
+    noise: Tensor  # deviation of the three paths and the approach where nothing moves, (b, 4)
+    deviation: Tensor  # their deviation as amounts, noise included, (b, 4)
+    sense: Tensor  # probability that it turns clockwise if it turns, (b,)
     contact: Tensor  # logit that something touches, (b,)
     readable: Tensor  # logits that each component can be read, (b, 3)
+    least: Tensor  # significance from which on turn, slide and press are believed, (3,)
+    turn_weights: Tensor  # of the candidates in the turn, (b, CANDIDATES)
+    slide_weights: Tensor  # of them in the slide, likewise
     radius_px: Tensor  # of the contact, (b,)
 
-    def sense(self) -> Tensor:
-        """Return the logit that a turn that counts goes clockwise, (b,)."""
-        return SENSE_SHARPNESS * self.path[:, 0] / self.deviation[:, 0]
+    def only(self, rows: Tensor | slice) -> Beliefs:
+        """Return those of some clips."""
+        kept = {name: value[rows] for name, value in vars(self).items() if name != "least"}
+        return Beliefs(**kept, least=self.least)
+
+    @property
+    def lengths(self) -> Tensor:
+        """Turn and slide in pixels, and press in mm, not negative, (b, 3)."""
+        slide = self.path[:, 1:].norm(dim=1)
+        return torch.stack([self.path[:, 0].abs(), slide, self.inward_mm.abs()], dim=1)
+
+    def along(self, deviation: Tensor) -> Tensor:
+        """Return deviations (b, 4) of turn, slide along its way, and press, (b, 3)."""
+        # At rest any way does: the diagonal.
+        way = (self.path[:, 1:].abs() + 1e-6) / (self.lengths[:, 1:2] + 1e-6 * 2**0.5)
+        slide = (way * deviation[:, 1:3]).norm(dim=1)
+        return torch.stack([deviation[:, 0], slide, deviation[:, 3]], dim=1)
+
+    @property
+    def significance(self) -> Tensor:
+        """How far turn, slide and press go, in deviations of their noise, (b, 3)."""
+        return self.lengths / self.along(self.noise)
+
+    @property
+    def limits(self) -> Tensor:
+        """How far turn, slide (pixels) and press (mm) have to go to be significant, (b, 3)."""
+        return self.least * self.along(self.noise)
+
+    @property
+    def moves(self) -> Tensor:
+        """Logits that turn, slide and press are there, (b, 3).
+
+        Each is significant, and its span does not reach zero.
+        """
+        span = self.lengths / (SPAN_DEVIATIONS * self.along(self.deviation))
+        least = torch.minimum(self.significance / self.least, span)
+        return STEEPNESS * least.clamp(min=1e-3).log()
 
     def quarters(self) -> Tensor:
-        """Return the probabilities that a slide that counts goes right, down, left, up, (b, 4).
+        """Return the probabilities that a slide goes right, down, left, up, (b, 4).
 
         What lies across the way is normal, so that the angle is nearly.
         """
@@ -96,11 +171,11 @@ class Beliefs:
             [
                 torch.asinh(2 * self.path),
                 torch.asinh(self.inward_mm / 0.05)[:, None],
-                (self.path / self.deviation[:, :3]).clamp(-20, 20) / 5,
-                (self.inward_mm / self.deviation[:, 3]).clamp(-20, 20)[:, None] / 5,
+                (self.path / self.noise[:, :3]).clamp(-20, 20) / 5,
+                (self.inward_mm / self.noise[:, 3]).clamp(-20, 20)[:, None] / 5,
                 self.deviation.log(),
-                self.counts.clamp(-8, 8) / 4,
-                self.press_in.clamp(-8, 8)[:, None] / 4,
+                self.moves.clamp(-8, 8) / 4,
+                torch.logit(self.sense, eps=1e-3)[:, None] / 4,
                 self.contact.clamp(-8, 8)[:, None] / 4,
                 self.radius_px.log()[:, None] - 3,
             ],
@@ -108,16 +183,48 @@ class Beliefs:
         )
 
 
-SENSE_SHARPNESS = 2.4
-"""From a Laplace error's standardised mean to a logit: log odds of its sign, about, near zero."""
-
-
 def _normal(value: Tensor, spread: Tensor) -> Tensor:
     return 0.5 * (1 + torch.erf(value / (spread[:, None] * math.sqrt(2))))
 
 
+@dataclass(frozen=True, eq=False)
+class Mixed:
+    """A robust mean of candidates."""
+
+    value: Tensor  # (b, d)
+    spread: Tensor  # deviation of those that agree about it, (b,)
+    noise: Tensor  # deviation of it by noise, (b, d)
+    shares: Tensor  # how far each candidate is trusted, (b, k)
+    alike: Tensor  # how well each agrees with the one that is best supported, 0 to 1, (b, k)
+    weights: Tensor  # of each in the mean, (b, k)
+
+
+def mixed(values: Tensor, noise: Tensor, gate: Tensor) -> Mixed:
+    """Return the robust mean of candidates (b, k, d) with deviations (b, k, d) and logits (b, k).
+
+    Of a mixture of bells the mode with the most mass is kept: the product of those that agree.
+    """
+    shares = gate.softmax(dim=1)
+    sizes, variance = values.norm(dim=2), noise.square().mean(dim=2)
+    smaller = torch.minimum(sizes[:, :, None], sizes[:, None])
+    allowed = variance[:, :, None] + variance[:, None] + (AGREEING * smaller).square()
+    apart = (values[:, :, None] - values[:, None]).square().sum(dim=3)
+    agree = 1 / (1 + apart / allowed)
+    mode = (agree * shares[:, None]).sum(dim=2).mul(shares.sqrt()).argmax(dim=1)
+    rows = torch.arange(len(values), device=values.device)
+    alike = agree[rows, mode]
+    precision = 1 / (variance + (SHARE_OF_PATH * sizes[rows, mode, None]).square())
+    weights = shares * alike * precision
+    weights = weights / weights.sum(dim=1, keepdim=True)
+    value = (weights[..., None] * values).sum(dim=1)
+    off = (values - value[:, None]).square().mean(dim=2)
+    # What they share is no independent noise: the mean is no surer than those it is made of.
+    own = (weights[..., None] * noise).sum(dim=1)
+    return Mixed(value, (weights * off).sum(dim=1).sqrt(), own, shares, alike, weights)
+
+
 class MotionNetwork(nn.Module):
-    """Fuse what is measured.
+    """Turn what is measured into what is believed.
 
     Its deviations are widened so that spans hold nine in ten on objects that it has not seen.
     """
@@ -126,7 +233,10 @@ class MotionNetwork(nn.Module):
         super().__init__()
         self.register_buffer("mean", torch.zeros(hints))
         self.register_buffer("scale", torch.ones(hints))
+        self.register_buffer("axes", torch.zeros(AXES, hints))
+        self.register_buffer("reach", torch.tensor(math.inf))
         self.register_buffer("widening", torch.ones(4))
+        self.register_buffer("least", torch.tensor(SIGNIFICANT))
         self.layers = nn.Sequential(
             nn.Linear(hints, HIDDEN),
             nn.GELU(),
@@ -136,55 +246,127 @@ class MotionNetwork(nn.Module):
             nn.Dropout(0.1),
         )
         self.out = nn.Linear(HIDDEN, sum(_OUTPUTS.values()))
-
-    @torch.no_grad()
-    def start_at_measured(self) -> None:
-        """Let what is told be what is measured: nothing is learned yet."""
         nn.init.zeros_(self.out.weight)
         nn.init.zeros_(self.out.bias)
-        self.out.bias[[GREEN_CHAINED, GREEN_DIRECT]] = START_WEIGHT
-        self.out.bias[[CANDIDATES + GREEN_CHAINED, CANDIDATES + GREEN_DIRECT]] = START_WEIGHT
+
+    @torch.no_grad()
+    def see(self, hints: Tensor) -> None:
+        """Take the hints of training (n, hints) for what is familiar."""
+        self.mean.copy_(hints.mean(dim=0))
+        self.scale.copy_(hints.std(dim=0, correction=0).clamp(min=1e-3))
+        standard = self._standard(hints)
+        count = min(AXES, *standard.shape)
+        _, sizes, axes = torch.linalg.svd(standard, full_matrices=False)
+        self.axes.zero_()
+        deviations = sizes[:count, None] / len(hints) ** 0.5
+        self.axes[:count] = axes[:count] / deviations.clamp(min=1e-3)
+        self.reach.copy_(torch.quantile(self._distance(standard), 0.99))
+
+    def familiar(self, hints: Tensor) -> Tensor:
+        """Return how near hints are to those of training, from 0 to 1, (b,)."""
+        return (2 - self._distance(self._standard(hints)) / self.reach).clamp(0, 1)
+
+    def _standard(self, hints: Tensor) -> Tensor:
+        return ((hints - self.mean) / self.scale).clamp(-8, 8)
+
+    def _distance(self, standard: Tensor) -> Tensor:
+        return (standard @ self.axes.T).square().mean(dim=1).sqrt()
 
     def forward(self, measured: Measured) -> Beliefs:
         """Return what is believed of b clips."""
-        standard = ((measured.hints - self.mean) / self.scale).clamp(-8, 8)
-        outputs = self.out(self.layers(standard)).split(list(_OUTPUTS.values()), dim=1)
-        own = dict(zip(_OUTPUTS, outputs, strict=True))
-        paths = measured.paths
-        turn = (own["turn_weights"].softmax(dim=1) * paths[..., 0]).sum(dim=1)
-        slide = (own["slide_weights"].softmax(dim=1)[..., None] * paths[..., 1:]).sum(dim=1)
-        gains = own["gains"].clamp(-2, 2).exp()
-        path = torch.cat([(turn * gains[:, 0])[:, None], slide * gains[:, 1:]], dim=1)
-        path = path + own["corrections"]
+        outputs = self.out(self.layers(self._standard(measured.hints)))
+        trust = self.familiar(measured.hints)[:, None]
+        own = dict(zip(_OUTPUTS, outputs.split(list(_OUTPUTS.values()), dim=1), strict=True))
+        white = measured.white.clamp(min=1e-4)
+        factors = torch.tensor([TURN_NOISE, SLIDE_NOISE, SLIDE_NOISE], device=white.device).T
+        noise = torch.hypot(factors * white, torch.tensor(LEAST_NOISE_PX))
+        prior = torch.tensor(PRIOR_GATE, device=white.device)
+        absent = torch.where(measured.is_measured, 0.0, -torch.inf)
+
+        def mix(columns: slice, gate: Tensor) -> Mixed:
+            logits = prior + absent + GATE_REACH * trust * torch.tanh(gate)
+            return mixed(measured.paths[..., columns], noise[..., columns], logits)
+
+        turn, slide = mix(slice(0, 1), own["turn_gate"]), mix(slice(1, 3), own["slide_gate"])
+        bend = torch.tanh(own["gains"]) * trust
+        gains = torch.where(bend > 0, LOG_GAIN[1] * bend, -LOG_GAIN[0] * bend).exp()
+        turned = gains[:, :1] * turn.value
+        carried = CARRIED * trust * torch.tanh(own["carried"]) * turned
+        path = torch.cat([turned, gains[:, 1:] * slide.value + carried], dim=1)
         inward = PRESS_SCALE_MM * own["inward"].squeeze(1)
-        lengths = torch.stack([path[:, 0].abs(), *[path[:, 1:].norm(dim=1)] * 2], dim=1)
-        floor = FLOOR_PX + SHARE_OF_PATH * lengths.detach()
-        relative = own["deviations"].clamp(-4, 4).exp()
-        deviation = torch.cat([floor * relative[:, :3], FLOOR_MM * relative[:, 3:]], dim=1)
-        deviation = deviation * self.widening
+        off_mm = LEAST_MM + PRESS_SCALE_MM * own["inward_deviation"].clamp(-6, 2).exp()
+        noise, deviation = self._deviations(measured, own, trust, path, turn, slide, off_mm)
+        beyond = path[:, 0] / deviation[:, 0]
         return Beliefs(
-            path,
-            inward,
-            deviation,
-            own["counts"],
-            own["press_in"].squeeze(1),
-            own["contact"].squeeze(1),
-            own["readable"],
-            measured.radius_px,
+            path=path,
+            inward_mm=inward,
+            noise=noise,
+            deviation=deviation,
+            sense=_sense(measured.paths[..., 0], turn, beyond),
+            contact=own["contact"].squeeze(1),
+            readable=own["readable"],
+            least=self.least,
+            turn_weights=turn.weights,
+            slide_weights=slide.weights,
+            radius_px=measured.radius_px,
         )
+
+    def _deviations(
+        self,
+        measured: Measured,
+        own: dict[str, Tensor],
+        trust: Tensor,
+        path: Tensor,
+        turn: Mixed,
+        slide: Mixed,
+        off_mm: Tensor,
+    ) -> tuple[Tensor, Tensor]:
+        """Return the deviations without motion, and of the amounts, (b, 4) each."""
+        relative = _between(own["relative"], RELATIVE, UNKNOWN_RELATIVE, trust)
+        leaking = _between(own["leaking"], LEAKING, UNKNOWN_LEAKING, trust)
+        growing = _between(own["growing"], GROWING_PX, UNKNOWN_GROWING_PX, trust)
+        sizes = torch.stack([path[:, 0].abs(), path[:, 1:].norm(dim=1)], dim=1)
+        # What the other component, and a growing contact, make of a picture is no motion.
+        other = leaking * sizes.flip(1)
+        added = other.square() + (growing * measured.growth.abs()[:, None]).square()
+        white = torch.cat([turn.noise, slide.noise], dim=1)
+        places = [0, 1, 1]
+        noise = (white.square() + added[:, places]).sqrt()
+        spread = torch.stack([turn.spread, slide.spread], dim=1)
+        amount = (relative * sizes).square() + spread.square()
+        deviation = (noise.square() + amount[:, places]).sqrt()
+        noise, deviation = (torch.cat([each, off_mm], dim=1) for each in (noise, deviation))
+        return noise, deviation * self.widening
+
+
+def _between(raw: Tensor, bounds: tuple[float, float], unknown: float, trust: Tensor) -> Tensor:
+    """Return what is learned between bounds, 0 being `unknown`, which it is without trust."""
+    low, high = bounds
+    start = math.log((unknown - low) / (high - unknown))
+    return low + (high - low) * torch.sigmoid(start + trust * raw)
+
+
+def _sense(paths: Tensor, turn: Mixed, beyond: Tensor) -> Tensor:
+    """Return the probability that a turn is clockwise: of what agrees, and of what does not."""
+    agreeing = 0.5 * (1 + torch.erf(beyond / 2**0.5))
+    kept, lost = turn.shares * turn.alike, turn.shares * (1 - turn.alike)
+    sense = kept.sum(dim=1) * agreeing + (lost * (paths > 0)).sum(dim=1)
+    return sense.clamp(1e-4, 1 - 1e-4)
 
 
 def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Belief:
     """Return what is believed of one of the clips as a value to answer from.
 
-    Doubt widens the spread and flattens the probabilities.
+    Doubt widens noise and spread, and flattens the probabilities.
     """
-    one = Beliefs(*(value[place : place + 1] for value in vars(beliefs).values()))
-    numbers = tuple(one.vector()[0].tolist())
-    one = replace(one, deviation=one.deviation * doubt)
-    turn, slide, press = (one.counts[0] / doubt).sigmoid().double().tolist()
-    clockwise, inward = float(one.sense().sigmoid()), float((one.press_in / doubt).sigmoid())
-    right, down, left, up = one.quarters()[0].double().tolist()
+    own = beliefs.only(slice(place, place + 1))
+    numbers = tuple(own.vector()[0].tolist())
+    own = replace(own, deviation=own.deviation * doubt, noise=own.noise * doubt)
+    turn, slide, press = (own.moves[0] / doubt).sigmoid().double().tolist()
+    clockwise = float(torch.sigmoid(torch.logit(own.sense) / doubt))
+    beyond = own.inward_mm / own.deviation[:, 3]
+    inward = float(0.5 * (1 + torch.erf(beyond / (2**0.5 * doubt))))
+    right, down, left, up = own.quarters()[0].double().tolist()
     ways = {
         Motion.CLOCKWISE: turn * clockwise,
         Motion.COUNTERCLOCKWISE: turn * (1 - clockwise),
@@ -195,16 +377,17 @@ def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Be
         Motion.PRESS: press * inward,
         Motion.RELEASE: press * (1 - inward),
     }
-    radius = float(one.radius_px)
+    radius = float(own.radius_px)
     to_degrees = math.degrees(1 / radius)
-    path, deviation = (each[0].double().numpy() for each in (one.path, one.deviation))
-    readable = one.readable[0].sigmoid() >= READABLE
+    path, deviation = (each[0].double().numpy() for each in (own.path, own.deviation))
+    readable = own.readable[0].sigmoid() >= READABLE
     return Belief(
-        mean=Twist(path[0] * to_degrees, path[1], path[2], float(one.inward_mm)),
+        mean=Twist(path[0] * to_degrees, path[1], path[2], float(own.inward_mm)),
         covariance=np.diag((deviation * (to_degrees, 1.0, 1.0, 1.0)) ** 2),
         ways=ways,
-        contact=float((one.contact / doubt).sigmoid()),
+        contact=float((own.contact / doubt).sigmoid()),
         radius_px=radius,
         readable=dict(zip(Component, readable.tolist(), strict=True)),
         numbers=numbers,
+        limits=dict(zip(COMPONENTS, own.limits[0].tolist(), strict=True)),
     )

@@ -152,6 +152,11 @@ class Measure:
         low, high = 0.0 - _two_digits_up(-low), _two_digits_up(self.mean + far)
         return min(low, self.value), max(high, self.value)
 
+    @property
+    def limit(self) -> float:
+        """Its value as a detection limit: two digits, rounded up."""
+        return _two_digits_up(self.mean)
+
     def to_dict(self) -> dict[str, float | str]:
         """Return plain JSON values."""
         low, high = self.span

@@ -69,8 +69,8 @@ class Movement:
         way: Where it goes, of a slide the nearest of four ways.
         aslant: The lesser way of a slide between two.
         amount: How far; None where the picture does not tell, or no scale is known.
-        chance: That it counts and goes that way.
-        barely: Whether it is doubtful that it counts.
+        chance: That it moves and goes that way.
+        barely: Whether it goes less than a pixel.
         times: From when to when it goes on, seconds; None of a clip.
         back_and_forth: The whole way, there and back, where that is well above the net one.
     """
@@ -89,6 +89,10 @@ class Movement:
         return COMPONENT_OF[self.way]
 
 
+Limit = tuple[Component, tuple[Measure, ...]]
+"""A component and how far it has to go to be seen; of rest the slide's stands for turns too."""
+
+
 @dataclass(frozen=True)
 class Decision:
     """An answer without words.
@@ -97,10 +101,11 @@ class Decision:
         part: What it answers.
         frame: In which the recording's facts hold.
         verdict: Of a yes-or-no question.
-        movements: What counts, the larger first: of what is asked, or all where none of that does.
-        denied: Components that are asked about and do not count.
+        movements: What moves, the larger first: of what is asked, or all where none of that does.
+        denied: Components that are asked about and are not seen to move.
         still_axis: "x" or "y", the one that is asked about, where what slides does not along it.
         rest: Stillness or absence, where nothing moves.
+        limits: Of what is denied or at rest, how far it has to go to be seen.
         options: Places of the options that are so.
         amounts: What is measured.
         chances: Of each option, movement or clip, as the ask has it.
@@ -122,6 +127,7 @@ class Decision:
     denied: tuple[Component, ...] = ()
     still_axis: str | None = None
     rest: Motion | None = None
+    limits: tuple[Limit, ...] = ()
     options: tuple[int, ...] = ()
     amounts: tuple[Measure, ...] = ()
     chances: tuple[float, ...] = ()

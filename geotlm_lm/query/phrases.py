@@ -93,6 +93,14 @@ def amount_phrase(amount: Measure, *, with_span: bool = False) -> str:
     return f"{text}, likely {low:g} to {high:g}" if with_span else text
 
 
+def limit_phrase(limits: Sequence[Measure]) -> str:
+    """Return how far what is not seen may go: " by more than 0.15 px (0.012 mm)"."""
+    if not limits:
+        return ""
+    first, *others = (f"{each.limit:g} {_UNIT_NAMES.get(each.unit, each.unit)}" for each in limits)
+    return f" by more than {first}" + "".join(f" ({other})" for other in others)
+
+
 def movement_phrase(move: Movement) -> str:
     """Return one component with its amount: "turns clockwise, about 12 degrees"."""
     if move.component is Component.PRESS:

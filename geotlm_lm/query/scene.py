@@ -24,7 +24,7 @@ from geotlm_lm.query.amounts import (
 from geotlm_lm.query.amounts import usual_unit as unit_of
 from geotlm_lm.query.bounds import judged_literals, timed_as, timings
 from geotlm_lm.query.chance import Judge
-from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Movement
+from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Limit, Movement
 from geotlm_lm.query.happenings import happens
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.track import Timed, judged, on_track
@@ -33,12 +33,6 @@ from geotlm_lm.track.track import together_s
 
 ASLANT = 1 / 3
 """Share of a slide's lesser travel in its greater from which on both ways are told."""
-
-BARELY = (0.02, 0.75)
-"""Probability of counting between which a component that is asked about is told to move barely. Of
-270 pairs of frames of real turns 239 are believed to count at 0.5 or more, every one the right way;
-of 27 others at 0.02 or more 26 lean the true way. Of 90 real imprints without a touch and 75 held
-still none counts at 0.5, and none leans one way in a turn at 0.9."""
 
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
@@ -126,7 +120,6 @@ class Scene:
     def movement(self, component: Component) -> Movement:
         """Return a component as it is told."""
         belief, way = self.belief, self.belief.way(component)
-        low, high = BARELY
         aslant = self._aslant(way) if component is Component.SLIDE else None
         sure = belief.ways[way] + (belief.ways[aslant] if aslant else 0.0)
         return Movement(
@@ -134,7 +127,7 @@ class Scene:
             aslant,
             self.amount(component.value) if belief.readable[component] else None,
             min(sure, 1.0),
-            low <= belief.moves(component) < high,
+            belief.is_barely(component),
             self._times(component),
             self._back_and_forth(component),
         )
@@ -201,17 +194,40 @@ class Scene:
         return self.belief.mean.along(way) or 0.0
 
     def telling(self, asked: Sequence[Component] = ()) -> dict[str, object]:
-        """Return what counts of what is asked, what of it does not, and what is so instead."""
+        """Return what moves of what is asked, what of it does not, and what is so instead.
+
+        Where nothing is asked for by name, what moves barely is left out beside what does more.
+        """
         belief = self.belief
         touching = max(belief.contact, *map(belief.moves, COMPONENTS))
         if touching < 0.5:
             return {"rest": Motion.NONE, "denied": tuple(asked), "probability": 1 - touching}
-        counting = belief.by_size()
-        told = [one for one in counting if one in asked] if asked else counting
-        denied = tuple(one for one in asked if one not in counting)
-        moves = tuple(self.movement(one) for one in (told or counting))
-        sure = [1 - belief.moves(one) for one in denied] + [one.chance for one in moves]
+        moving = belief.by_size()
+        main = [each for each in moving if not belief.is_barely(each)] or moving
+        told = [each for each in moving if each in asked] or main
+        denied = tuple(each for each in asked if each not in moving)
+        moves = tuple(self.movement(each) for each in told)
+        sure = [1 - belief.moves(each) for each in denied] + [each.chance for each in moves]
+        found = {"denied": denied, "limits": self._limits(denied, is_at_rest=not moves)}
         if not moves:
             rest = self.judge.chance(t.Proposition((t.Literal("still"),)))
-            return {"rest": Motion.STILL, "denied": denied, "probability": rest}
-        return {"movements": moves, "denied": denied, "probability": min(sure)}
+            return found | {"rest": Motion.STILL, "probability": rest}
+        return found | {"movements": moves, "probability": min(sure)}
+
+    def _limits(self, denied: Sequence[Component], *, is_at_rest: bool) -> tuple[Limit, ...]:
+        """Return how far what does not move would have to go to be seen."""
+        belief = self.belief
+        if not belief.limits:
+            return ()
+        seen, slide = belief.at_limit, Component.SLIDE
+        if is_at_rest and slide not in denied:
+            # Neither turns nor slides: the larger path stands for both.
+            path = max(belief.limits[slide], belief.limits[Component.TURN])
+            seen = replace(seen, mean=replace(seen.mean, right_px=path))
+            denied = (*denied, slide)
+        is_scaled = self.frame.mm_per_px is not None
+        units = {each: ("px", "mm") if each is slide and is_scaled else (None,) for each in denied}
+        return tuple(
+            (each, tuple(measure(each.value, seen, self.frame, self.recording, u) for u in own))
+            for each, own in units.items()
+        )

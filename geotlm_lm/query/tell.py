@@ -15,6 +15,7 @@ from geotlm_lm.query.phrases import (
     amount_phrase,
     in_frame,
     joined,
+    limit_phrase,
     movement_phrase,
     undoing_phrase,
     where_phrase,
@@ -93,13 +94,18 @@ def _clause(decision: Decision, recording: Recording) -> str:
     """Return what moves, what of the asked does not, and the frame where a way is named."""
     edit = decision.edit
     who = "the sensor" if edit.sensor else "it"
-    denied = " or ".join(_DENIED[one] for one in decision.denied)
+    limits = dict(decision.limits)
+    denied = " or ".join(
+        _DENIED[each] + limit_phrase(limits.get(each, ())) for each in decision.denied
+    )
     if decision.still_axis is not None:
         denied = f"slide {WORDS[decision.still_axis]}"
     moving = {one.component for one in decision.movements}
     is_instead = decision.still_axis or not set(asked_components(decision)) & moving
     if decision.rest is not None:
-        rest = _REST[decision.rest]
+        if denied and limits and decision.rest is Motion.STILL:
+            return f"{who} does not {denied}"
+        rest = _rest(decision)
         return f"{who} does not {denied}: {rest}" if denied else rest
     is_directed = any(one.way in DIRECTED for one in decision.movements)
     if edit.undo and denied and is_instead:
@@ -117,6 +123,14 @@ def _clause(decision: Decision, recording: Recording) -> str:
     if not denied:
         return told
     return f"{who} does not {denied}; {told}" if is_instead else f"{told}; {who} does not {denied}"
+
+
+def _rest(decision: Decision) -> str:
+    """Return that nothing moves, and by how much it may all the same."""
+    told = _REST[decision.rest]
+    if decision.rest is not Motion.STILL:
+        return told
+    return told + limit_phrase(dict(decision.limits).get(Component.SLIDE, ()))
 
 
 def _way(decision: Decision, recording: Recording) -> str:
@@ -200,7 +214,7 @@ def _amount(decision: Decision, recording: Recording) -> str:
     if decision.part.ask.measure == "path":
         told += " there and back together"
     if decision.rest is not None:
-        return f"{told}; {_REST[decision.rest]}"
+        return f"{told}; {_rest(decision)}"
     moves = [one for one in decision.movements]
     if decision.part.ask.measure == "peak":
         told += f", at {moment(decision.times[0], recording)}"

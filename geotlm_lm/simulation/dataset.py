@@ -335,20 +335,20 @@ def _component_lines(labels: list[MotionLabel]) -> list[str]:
     rows = []
     for component in COMPONENTS:
         of_clips = [truth[component] for truth in truths]
-        visible = [of_clip.is_visible for of_clip in of_clips if of_clip.counts]
+        visible = [of_clip.is_visible for of_clip in of_clips if of_clip.moves]
         share = f"{np.mean(visible):.3f}" if visible else "-"
-        counts = [of_clip.counts for of_clip in of_clips]
-        numbers = [sum(value is kind for value in counts) for kind in (True, None, False)]
+        moves = [of_clip.moves for of_clip in of_clips]
+        numbers = [sum(value is kind for value in moves) for kind in (True, None, False)]
         rows.append(f"| {component} | {' | '.join(map(str, numbers))} | {share} |")
-    held = [sum(part.counts is True for part in truth.values()) for truth in truths]
+    held = [sum(part.moves is True for part in truth.values()) for truth in truths]
     together = ", ".join(f"{held.count(n)} of {n}" for n in range(len(COMPONENTS) + 1))
     return [
-        "Whatever its name, a clip may turn, slide and press at once. A component that counts",
+        "Whatever its name, a clip may turn, slide and press at once. A component that moves",
         f"is readable where it alone can have changed the picture by {READABLE_GREY:g} greys.",
         "",
-        "| component | counts | ambiguous | does not | readable share of those that count |",
+        "| component | moves | too little | does not | readable share of those that move |",
         "|---|---|---|---|---|",
         *rows,
         "",
-        f"Clips by the number of components that count: {together}.",
+        f"Clips by the number of components that move: {together}.",
     ]

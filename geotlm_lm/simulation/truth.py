@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, PATCH_SIDE
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.twist import COMPONENTS, Component, Twist, counts
+from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, Component, Twist, moves
 from geotlm_lm.simulation.camera import MEASURED_IDLE
 from geotlm_lm.simulation.contact import dome_mm
 from geotlm_lm.simulation.optics import turned_lights
@@ -211,21 +211,21 @@ class ComponentTruth:
     """What is true of one component of a clip's motion."""
 
     way: Motion  # nearest to its direction
-    counts: bool | None  # None where that is ambiguous
-    is_visible: bool  # it alone can have changed the picture by more than noise does
+    moves: bool | None  # None where that is too little to be graded
+    # It alone can have changed the picture by more than noise does, or would have, were it so long
+    # that it no longer moves barely.
+    is_visible: bool
 
 
 def components_of(label: MotionLabel) -> dict[Component, ComponentTruth]:
     """Return what is true of each component by a simulated clip's label."""
-    twist = twist_of(label)
-    return {
-        component: ComponentTruth(
-            twist.way(component),
-            counts(component, twist.path(component, label.radius_px)),
-            grey >= READABLE_GREY,
-        )
-        for component, grey in zip(COMPONENTS, label.visible_grey, strict=True)
-    }
+    twist, parts = twist_of(label), {}
+    for component, grey in zip(COMPONENTS, label.visible_grey, strict=True):
+        path = twist.path(component, label.radius_px)
+        least = BARELY_MM if component is Component.PRESS else BARELY_PX
+        is_visible = grey >= READABLE_GREY * min(path / least, 1.0)
+        parts[component] = ComponentTruth(twist.way(component), moves(component, path), is_visible)
+    return parts
 
 
 def is_readable(

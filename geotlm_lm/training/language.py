@@ -350,7 +350,7 @@ def felt_words(labels: Sequence[MotionLabel]) -> Tensor:
     for label in labels:
         truth, row = component_truth(label), []
         for component in COMPONENTS:
-            words, wanted = SLOTS[component], truth.counts[component]
+            words, wanted = SLOTS[component], truth.moves[component]
             if wanted:
                 row.append(words.index(truth.twist.way(component)))
             else:

@@ -26,6 +26,9 @@ BATCH = 256
 PEAK_RATE = 2e-3
 WEIGHT_DECAY = 0.02
 
+MOST_LOSS = 30.0
+"""Most that one number's error costs: a motion that nothing measured teaches nothing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Truths:
@@ -34,7 +37,7 @@ class Truths:
     turn_rad: Tensor  # (n,), clockwise positive
     slide_px: Tensor  # (n, 2), to the right and down
     inward_mm: Tensor  # (n,)
-    counts: Tensor  # (n, 3), whether turn, slide and press count
+    moves: Tensor  # (n, 3), whether turn, slide and press move
     readable: Tensor  # (n, 3), whether they can be read
     contact: Tensor  # (n,), whether anything touches
 
@@ -51,13 +54,13 @@ class Truths:
             )
 
         def amount(truth: ClipTruth, part: Component) -> bool | None:
-            """Tell that an amount is asked: where it can be read or is known not to count."""
-            is_known = truth.is_readable[part] or truth.counts[part] is False
+            """Tell that an amount is asked: where it can be read or is known not to move."""
+            is_known = truth.is_readable[part] or truth.moves[part] is False
             return True if truth.is_touched and is_known else None
 
         def readable(truth: ClipTruth, part: Component) -> bool | None:
             """Tell whether what moves enough to be asked after can be read."""
-            moves = truth.is_touched and truth.counts[part] is not False
+            moves = truth.is_touched and truth.moves[part] is not False
             return truth.is_readable[part] if moves else None
 
         asked = each(amount)
@@ -68,7 +71,7 @@ class Truths:
             torch.from_numpy(turn) * asked[:, 0],
             torch.from_numpy(slide) * asked[:, 1:2],
             torch.from_numpy(inward) * asked[:, 2],
-            each(lambda truth, part: truth.counts[part]),
+            each(lambda truth, part: truth.moves[part]),
             each(readable),
             torch.tensor([float(truth.is_touched) for truth in truths]),
         )
@@ -98,9 +101,7 @@ def train_motion(
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(seed)
         network = MotionNetwork(measured.hints.shape[1]).to(device).train()
-        network.start_at_measured()
-        network.mean.copy_(measured.hints.mean(dim=0))
-        network.scale.copy_(measured.hints.std(dim=0, correction=0).clamp(min=1e-3))
+        network.see(measured.hints)
         optimiser = torch.optim.AdamW(network.parameters(), weight_decay=WEIGHT_DECAY)
         per_epoch = -(-len(labels) // BATCH)
         steps = EPOCHS * per_epoch
@@ -127,19 +128,16 @@ def motion_network_loss(beliefs: Beliefs, true: Truths) -> Tensor:
     # A Laplace density's scale is its deviation over the root of two.
     scale = beliefs.deviation / 2**0.5
     errors = (stated - wanted.nan_to_num()).abs() / scale + scale.log()
-    spread = _mean(errors, ~wanted.isnan())
-    counted = _cross_entropy(beliefs.counts, true.counts)
+    spread = _mean(errors.clamp(max=MOST_LOSS), ~wanted.isnan())
     readable = _cross_entropy(beliefs.readable, true.readable)
     contact = _cross_entropy(beliefs.contact, true.contact)
-    presses = (true.counts[:, 2] == 1) & ~true.inward_mm.isnan()
-    inward = _cross_entropy(beliefs.press_in, _where(presses, true.inward_mm > 0))
-    turns = (true.counts[:, 0] == 1) & ~true.turn_rad.isnan()
-    sense = _cross_entropy(beliefs.sense(), _where(turns, true.turn_rad > 0))
-    slides = (true.counts[:, 1] == 1) & ~true.slide_px[:, 0].isnan()
+    turns = (true.moves[:, 0] == 1) & ~true.turn_rad.isnan()
+    sense = _cross_entropy(torch.logit(beliefs.sense), _where(turns, true.turn_rad > 0))
+    slides = (true.moves[:, 1] == 1) & ~true.slide_px[:, 0].isnan()
     x, y = true.slide_px.nan_to_num().unbind(dim=1)
     quarter = torch.remainder((torch.atan2(y, x) / (torch.pi / 2)).round().long(), 4)
     ways = _mean(F.nll_loss(beliefs.quarters().log(), quarter, reduction="none"), slides)
-    return spread + 2 * counted + 0.5 * readable + contact + inward + sense + 0.5 * ways
+    return spread + 0.5 * readable + contact + 0.5 * sense + 0.5 * ways
 
 
 def _where(is_asked: Tensor, is_so: Tensor) -> Tensor:
@@ -167,7 +165,7 @@ UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
 
 
 class Amount(NamedTuple):
-    """How far a readable component that counts is believed to go, and how far it went.
+    """How far a readable component that moves is believed to go, and how far it went.
 
     Amounts are degrees, pixels or mm, not negative, with the deviation of the believed one.
     """
@@ -186,12 +184,12 @@ class Amount(NamedTuple):
 
 
 def believed_amounts(beliefs: Beliefs, truths: Sequence[ClipTruth]) -> Iterator[Amount]:
-    """Yield the readable components that count."""
+    """Yield the readable components that move."""
     degrees = (beliefs.path[:, 0] / beliefs.radius_px).rad2deg()
     for row, truth in enumerate(truths):
         true, deviation = truth.twist, beliefs.deviation[row]
         for component in COMPONENTS:
-            if not (truth.counts[component] and truth.is_readable[component]):
+            if not (truth.moves[component] and truth.is_readable[component]):
                 continue
             if component is Component.TURN:
                 turn = float(degrees[row])
@@ -204,10 +202,27 @@ def believed_amounts(beliefs: Beliefs, truths: Sequence[ClipTruth]) -> Iterator[
                 is_right = bool(along >= true.slide_px * 0.5**0.5)
                 amount = float(np.hypot(x, y)), true.slide_px, off, is_right
             else:
-                is_right = (float(beliefs.press_in[row]) > 0) == (true.inward_mm > 0)
-                inward = abs(float(beliefs.inward_mm[row]))
-                amount = inward, abs(true.inward_mm), float(deviation[3]), is_right
+                inward = float(beliefs.inward_mm[row])
+                is_right = (inward > 0) == (true.inward_mm > 0)
+                amount = abs(inward), abs(true.inward_mm), float(deviation[3]), is_right
             yield Amount(row, component, *amount)
+
+
+FALSE_ALARMS = 0.01
+"""Share of components at rest, on objects that the network has not seen, that may seem to move."""
+
+
+@torch.inference_mode()
+def set_significance(
+    network: MotionNetwork, measured: Measured, labels: Sequence[MotionLabel]
+) -> None:
+    """Raise what is significant until so few components at rest are."""
+    significance, truths = network(measured).significance, Truths.of(labels)
+    for place in range(len(COMPONENTS)):
+        at_rest = (truths.moves[:, place] == 0) & (truths.contact == 1)
+        if int(at_rest.sum()) >= FEWEST_WIDENED:
+            reached = torch.quantile(significance[at_rest, place], 1 - FALSE_ALARMS)
+            network.least[place] = torch.maximum(network.least[place], reached)
 
 
 @torch.inference_mode()
@@ -223,26 +238,28 @@ def widen_spans(network: MotionNetwork, measured: Measured, labels: Sequence[Mot
 
 @torch.inference_mode()
 def motion_scores(beliefs: Beliefs, labels: Sequence[MotionLabel]) -> dict[str, float]:
-    """Return how beliefs fare on the readable components that are not ambiguous.
+    """Return how beliefs fare on the readable components that are graded.
 
-    Shares: of senses of turns and ways of slides that are right, of components told rightly to
-    count or not, of clips that turn and slide of which both are right, of amounts within
-    `core.tolerance`, and of spans of nine in ten that hold the true one.
+    Shares: of senses of turns and ways of slides that are right, of components that move of which
+    that is told the right way, of components at rest that are told to move, of clips that turn and
+    slide of which both are right, of amounts within `core.tolerance`, and of spans of nine in ten
+    that hold the true one.
     """
     truths = [component_truth(label) for label in labels]
     hits: dict[str, list[bool]] = {}
+    moves = beliefs.moves > 0
     for row, truth in enumerate(truths):
         for place, component in enumerate(COMPONENTS):
-            wanted = truth.counts[component]
-            if wanted is not None and (truth.is_touched or component is Component.TURN):
-                is_right = bool(beliefs.counts[row, place] > 0) == wanted
-                hits.setdefault(f"{component} counts", []).append(is_right)
+            if truth.moves[component] is False and truth.is_touched:
+                hits.setdefault(f"{component} false", []).append(bool(moves[row, place]))
     ways: dict[int, dict[Component, bool]] = {}
     for amount in believed_amounts(beliefs, truths):
         component = amount.component
         ways.setdefault(amount.row, {})[component] = amount.is_way_right
         is_right = within_tolerance(amount.believed, amount.true, UNITS[component])
         hits.setdefault(f"{component} way", []).append(amount.is_way_right)
+        is_seen = bool(moves[amount.row, COMPONENTS.index(component)])
+        hits.setdefault(f"{component} seen", []).append(is_seen and amount.is_way_right)
         hits.setdefault(f"{component} amount", []).append(is_right)
         is_held = amount.deviations_off <= SPAN_DEVIATIONS
         hits.setdefault(f"{component} span", []).append(is_held)

@@ -257,10 +257,10 @@ def _wanted(truth: ClipTruth) -> tuple[float, ...]:
     def number(is_so: bool | None) -> float:
         return math.nan if is_so is None else float(is_so)
 
-    press, inward = truth.counts[Component.PRESS], truth.twist.inward_mm > 0
+    press, inward = truth.moves[Component.PRESS], truth.twist.inward_mm > 0
     return (
-        number(truth.counts[Component.TURN]),
-        number(truth.counts[Component.SLIDE]),
+        number(truth.moves[Component.TURN]),
+        number(truth.moves[Component.SLIDE]),
         number(press if press is None else press and inward),
         number(press if press is None else press and not inward),
         float(truth.is_touched),

@@ -308,10 +308,11 @@ Choosing the most likely of the ten answers instead of writing freely is right f
 {100 * scores["scored"]:.1f} % of all clips; its stated probability is off by
 {100 * scores["calibration_error"]:.1f} % on average (expected calibration error).
 
-Of freely mixed motions of the same objects, readable components that are not ambiguous:
+Of freely mixed motions of the same objects, readable components that move by 0.3 px or 0.06 mm, or
+more:
 
-| component | n | way | counts | amount within tolerance | span holds it |
-|---|---|---|---|---|---|
+| component | n | way | told the right way | told at rest | amount in tolerance | in span |
+|---|---|---|---|---|---|---|
 {_mixed_rows(scores["mixed"])}
 
 Where a clip turns and slides both are right in {_rate(scores["mixed"].get("both ways"))}. The
@@ -325,7 +326,7 @@ of the 224-pixel image, 0.2 mm, or a fifth.
 
 
 def _mixed_rows(mixed: dict[str, float]) -> str:
-    columns = ("way", "counts", "amount", "span")
+    columns = ("way", "seen", "false", "amount", "span")
     return "\n".join(
         f"| {component} | {mixed.get(f'{component} way, number', 0):.0f} | "
         + " | ".join(_rate(mixed.get(f"{component} {column}")) for column in columns)

@@ -53,7 +53,12 @@ from geotlm_lm.training.geometry import (
     train_global_probe,
 )
 from geotlm_lm.training.language import FELT_BATCH, LanguageTraining, train_language
-from geotlm_lm.training.motion import motion_scores, train_motion, widen_spans
+from geotlm_lm.training.motion import (
+    motion_scores,
+    set_significance,
+    train_motion,
+    widen_spans,
+)
 from geotlm_lm.training.pretraining import DenseHeads, pretrain
 from geotlm_lm.training.ranks import ALONE, Ranks, joined
 from geotlm_lm.training.reading import ReadingTraining, train_reader
@@ -281,6 +286,7 @@ def train_beliefs(
     shared = {"seed": seed, "device": device, "progress": progress}
     motion = train_motion(learned.measured, learned.labels, **shared)
     widen_spans(motion, validation.measured, validation.labels)
+    set_significance(motion, validation.measured, validation.labels)
     return Seen(model, motion, accuracies, learned, validation)
 
 

@@ -29,8 +29,8 @@ class ClipTruth:
     """What is true of a clip, component by component."""
 
     twist: Twist  # the motion about the middle of the contact
-    # Whether each component counts; None where it is ambiguous, or counts but cannot be seen to.
-    counts: Mapping[Component, bool | None]
+    # Whether each component moves; None where it does so too little to be graded, or unseen.
+    moves: Mapping[Component, bool | None]
     # Whether the picture tells how far each component goes, and which way.
     is_readable: Mapping[Component, bool]
     is_touched: bool  # whether anything touches the gel
@@ -39,8 +39,7 @@ class ClipTruth:
 def component_truth(label: MotionLabel) -> ClipTruth:
     """Return what a label tells of each component.
 
-    An untouched gel counts no component. What is shorter than counts is readable where the picture
-    would tell it, were it as long as counting needs: that it does not count is to be seen.
+    On an untouched gel none moves.
     """
     is_touched = label.motion is not Motion.NONE and max(label.contact_fraction, default=1.0) > 0
     if not is_touched:
@@ -51,7 +50,7 @@ def component_truth(label: MotionLabel) -> ClipTruth:
     return ClipTruth(
         twist_of(label),
         {
-            component: None if part.counts and not part.is_visible else part.counts
+            component: None if part.moves and not part.is_visible else part.moves
             for component, part in parts.items()
         },
         {component: part.is_visible for component, part in parts.items()},
@@ -71,10 +70,10 @@ def counts_motion(label: MotionLabel) -> bool:
     if not truth.is_touched:
         return label.is_readable
     asked = (Component.TURN, Component.SLIDE)
-    moves = any(truth.counts[component] for component in asked)
-    is_pressed = truth.counts[Component.PRESS] is not False
+    moves = any(truth.moves[component] for component in asked)
+    is_pressed = truth.moves[Component.PRESS] is not False
     is_seen = all(
-        truth.counts[component] is False or truth.is_readable[component] for component in asked
+        truth.moves[component] is False or truth.is_readable[component] for component in asked
     )
     return is_seen and (moves or not is_pressed)
 

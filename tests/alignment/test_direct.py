@@ -121,3 +121,13 @@ def test_a_flat_picture_has_not_moved():
     aligned = align(flat, flat)
     assert parts(aligned.motion) == near((0.0, 0.0, 0.0), abs=1e-6)
     assert np.isfinite([*aligned.covariance.ravel(), aligned.correlation]).all()
+
+
+@pytest.mark.parametrize("gain", [0.2, 0.4, 2.0, 4.0])
+@pytest.mark.parametrize("motion", [Rigid(), turned(3, 2, -1)])
+def test_an_imprint_that_deepens_or_fades_does_not_run_away(gain, motion):
+    first = texture()
+    later = (gain * moved(first, motion)).astype(np.float32)
+    error = align(Picture.of(first, 3), Picture.of(later, 3)).motion.after(motion.inverse())
+    assert np.degrees(abs(error.turn_rad)) < 0.2
+    assert np.hypot(error.right_px, error.down_px) < 0.15

@@ -40,7 +40,7 @@ def test_all_components_of_a_touch_are_true_at_once_and_each_is_a_right_answer()
     assert facts["true"]["press_mm"] == pytest.approx(0.1)
     assert facts["true_motion"] == "clockwise"
     assert facts["true_ways"] == ["clockwise", "left"]
-    assert facts["counts"] == {"turn": True, "slide": True, "press": None}
+    assert facts["moves"] == {"turn": True, "slide": True, "press": None}
     assert facts["is_right"]
     assert facts["answer"].startswith("It slides left, about ")
     assert facts["how_far"].startswith("About ")

@@ -1,4 +1,4 @@
-"""The network before and after it has learned: what it tells agrees with itself."""
+"""The mixture of what is measured, and the bounds within which a network may bend it."""
 
 import math
 from dataclasses import replace
@@ -7,112 +7,170 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.core.twist import COMPONENTS, WAYS, Component
-from geotlm_lm.motion.measured import CANDIDATES, Measured
-from geotlm_lm.motion.network import (
-    GREEN_CHAINED,
-    GREEN_DIRECT,
-    START_WEIGHT,
-    MotionNetwork,
-    belief_of_one,
-)
+from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.motion.measured import CANDIDATES, SHEAR_NOISE_PX, Measured
+from geotlm_lm.motion.network import LOG_GAIN, MotionNetwork, belief_of_one, mixed
 
-HINTS = 7
+HINTS = 40
 
 
-def found(count=6, seed=0):
+def seen(count=6, seed=0, *, paths=None, white=0.01, growth=0.0):
     draw = torch.Generator().manual_seed(seed)
-    paths = torch.randn(count, CANDIDATES, 3, generator=draw) * 10
-    radius = torch.rand(count, generator=draw) * 30 + 4
-    return Measured(paths, radius, torch.randn(count, HINTS, generator=draw))
+    if paths is None:
+        paths = torch.randn(count, CANDIDATES, 3, generator=draw) * 10
+    count = len(paths)
+    deviations = torch.full((count, CANDIDATES, 3), white)
+    deviations[:, -1] = SHEAR_NOISE_PX
+    return Measured(
+        paths,
+        deviations,
+        torch.ones(count, CANDIDATES, dtype=torch.bool),
+        torch.full((count,), growth),
+        torch.rand(count, generator=draw) * 30 + 4,
+        torch.randn(count, HINTS, generator=draw),
+    )
+
+
+def alike(*motions, **how):
+    """Clips of each of whose motions all candidates tell the same."""
+    return seen(paths=torch.tensor(motions)[:, None].expand(-1, CANDIDATES, -1), **how)
+
+
+@pytest.fixture(scope="module")
+def untrained():
+    return MotionNetwork(HINTS).eval().requires_grad_(False)
 
 
 @pytest.fixture(scope="module")
 def trained():
-    """A network of random weights, as one that has learned something else than to measure."""
+    """A network of large random weights, as one that has learned anything at all."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(1)
-        return MotionNetwork(HINTS).eval().requires_grad_(False)
+        network = MotionNetwork(HINTS).eval().requires_grad_(False)
+        network.see(torch.randn(400, HINTS))
+        network.out.weight.normal_(0, 3)
+        network.out.bias.normal_(0, 3)
+    return network
 
 
-def test_before_training_it_tells_the_measured_fusion():
-    network = MotionNetwork(HINTS).eval().requires_grad_(False)
-    network.start_at_measured()
-    seen = found()
-    told = network(seen)
-    # e^2 times the weight of each other candidate.
-    weights = torch.ones(CANDIDATES)
-    weights[[GREEN_CHAINED, GREEN_DIRECT]] = math.exp(START_WEIGHT)
-    fused = (seen.paths * (weights / weights.sum())[:, None]).sum(dim=1)
-    torch.testing.assert_close(told.path, fused)
-    agreed = replace(seen, paths=seen.paths[:, :1].expand(-1, CANDIDATES, -1))
-    torch.testing.assert_close(network(agreed).path, agreed.paths[:, 0])
-    assert not told.inward_mm.any()
-    assert torch.equal(told.counts.sigmoid(), torch.full((6, 3), 0.5))
+def test_before_training_it_believes_what_the_candidates_agree_on(untrained):
+    motions = ((5.0, 3.0, -2.0), (0.0, -40.0, 1.0))
+    torch.testing.assert_close(untrained(alike(*motions)).path, torch.tensor(motions))
 
 
-def test_hints_beyond_all_measure_leave_what_is_told_finite(trained):
-    seen = found()
-    for strange in (1e30, -1e30):
-        told = trained(replace(seen, hints=torch.full_like(seen.hints, strange)))
-        assert bool(told.vector().isfinite().all())
-        assert bool((told.deviation > 0).all())
+def test_a_candidate_that_disagrees_is_left_out_and_not_averaged(untrained):
+    paths = torch.tensor([[3.0, -3.0, 0.5]]).repeat(CANDIDATES, 1)
+    paths[2:4, 1:] = torch.tensor([0.0, -67.0])
+    believed = untrained(seen(paths=paths[None]))
+    assert believed.path[0].tolist() == pytest.approx([3.0, -3.0, 0.5], abs=0.1)
+    assert float(believed.slide_weights[0, 2:4].sum()) < 0.01
 
 
-def heading(trained, *ways, deviation=1.0):
-    told = trained(found(len(ways)))
+def test_what_is_not_measured_has_no_weight(untrained):
+    own = seen()
+    own.is_measured[:, 2:4] = False
+    believed = untrained(own)
+    assert not believed.turn_weights[:, 2:4].any()
+    torch.testing.assert_close(believed.turn_weights.sum(dim=1), torch.ones(6))
+
+
+def test_nothing_learned_turns_an_agreed_motion_round_nor_stretches_it_beyond_bounds(trained):
+    turns = torch.linspace(-20, 20, 41)
+    motions = [(turn, turn / 2, -turn) for turn in turns.tolist()]
+    path = trained(alike(*motions)).path
+    assert bool((path[:, 0].sign() == turns.sign()).all())
+    gains = (path[:, 0] / turns)[turns != 0]
+    low, high = (math.exp(bound) for bound in LOG_GAIN)
+    assert low - 1e-4 <= float(gains.min()) <= float(gains.max()) <= high + 1e-4
+
+
+def test_far_from_what_was_seen_nothing_learned_is_used(trained, untrained):
+    own = seen()
+    far = replace(own, hints=torch.full_like(own.hints, 1e30))
+    assert not trained.familiar(far.hints).any()
+    assert bool((trained.familiar(own.hints) > 0).all())
+    torch.testing.assert_close(trained(far).path, untrained(far).path)
+    assert bool(trained(far).vector().isfinite().all())
+
+
+def test_a_motion_is_told_from_noise_by_its_significance_not_its_size(untrained):
+    motions = ((0.2, 0.0, 0.2), (0.01, 0.01, 0.0))
+    sharp, noisy = (untrained(alike(*motions, white=white)) for white in (0.005, 0.1))
+    assert (sharp.moves[:, :2] > 0).tolist() == [[True, True], [False, False]]
+    assert (noisy.moves[:, :2] > 0).tolist() == [[False, False], [False, False]]
+
+
+def test_twice_the_noise_raises_the_limit_to_twice(untrained):
+    motions = ((0.0, 0.0, 0.0),)
+    limits = [untrained(alike(*motions, white=w)).limits[0, :2] for w in (0.003, 0.006)]
+    torch.testing.assert_close(limits[1], 2 * limits[0], rtol=0.2, atol=0)
+
+
+def test_what_grows_has_to_move_farther_to_be_seen(untrained):
+    still, growing = (untrained(alike((0.5, 0.5, 0.0), growth=g)) for g in (0.0, 1.0))
+    assert bool((growing.limits[:, :2] > 3 * still.limits[:, :2]).all())
+    assert (still.moves[0, :2] > 0).tolist() == [True, True]
+    assert (growing.moves[0, :2] > 0).tolist() == [False, False]
+
+
+def test_a_span_that_reaches_zero_is_not_told_however_large_its_mean(untrained):
+    believed = untrained(alike((0.0, 5.0, 0.0)))
+    wide = replace(believed, deviation=torch.full((1, 4), 9.0))
+    assert (float(believed.moves[0, 1]) > 0, float(wide.moves[0, 1]) > 0) == (True, False)
+
+
+def test_a_mixture_turns_and_mirrors_with_its_candidates():
+    own = seen(50)
+    noise, gate = torch.full((50, CANDIDATES, 2), 0.1), torch.zeros(50, CANDIDATES)
+    quarter = torch.tensor([[0.0, -1.0], [1.0, 0.0]])
+    slides = own.paths[..., 1:]
+    plain, turned = mixed(slides, noise, gate), mixed(slides @ quarter.T, noise, gate)
+    torch.testing.assert_close(turned.value, plain.value @ quarter.T)
+    torch.testing.assert_close(mixed(-slides, noise, gate).value, -plain.value)
+
+
+def heading(untrained, *ways, deviation=1.0):
+    believed = untrained(seen(len(ways)))
     path = torch.tensor([(0.0, *way) for way in ways])
-    return replace(told, path=path, deviation=torch.full((len(ways), 4), deviation))
+    return replace(believed, path=path, deviation=torch.full((len(ways), 4), deviation))
 
 
-def test_quarters_sum_to_one_and_turn_with_the_way(trained):
+def test_quarters_sum_to_one_and_turn_with_the_way(untrained):
     angles = torch.linspace(-3.0, 3.0, 13)
     ways = torch.stack([angles.cos(), angles.sin()], dim=1) * 5
-    shares = heading(trained, *ways.tolist()).quarters()
+    shares = heading(untrained, *ways.tolist()).quarters()
     torch.testing.assert_close(shares.sum(dim=1), torch.ones(13))
     # A quarter clockwise as drawn: right comes to be down, down left.
     turned = torch.stack([-ways[:, 1], ways[:, 0]], dim=1)
-    torch.testing.assert_close(heading(trained, *turned.tolist()).quarters(), shares.roll(1, 1))
+    torch.testing.assert_close(heading(untrained, *turned.tolist()).quarters(), shares.roll(1, 1))
     nearest = torch.remainder((angles / (math.pi / 2)).round(), 4)
     assert torch.equal(shares.argmax(dim=1).float(), nearest)
 
 
-def test_a_slide_is_surer_of_its_quarter_the_farther_it_goes(trained):
-    shares = heading(trained, (0.5, 0.0), (2.0, 0.0), (20.0, 0.0)).quarters()[:, 0].tolist()
-    assert shares == sorted(shares)
-    assert (shares[0] < 0.8, shares[2] > 0.99) == (True, True)
-    diagonal = heading(trained, (9.0, 9.0)).quarters()[0]
-    assert diagonal[:2].tolist() == pytest.approx([0.5, 0.5], abs=0.01)
-
-
-def test_doubt_widens_what_is_believed_and_draws_probabilities_towards_a_half(trained):
-    told = trained(found())
+def test_doubt_widens_what_is_believed_and_draws_ways_towards_a_half(trained):
+    believed = trained(seen())
     for place in range(6):
-        sure, doubted = (belief_of_one(told, place, doubt=doubt) for doubt in (1.0, 3.0))
+        sure, doubted = (belief_of_one(believed, place, doubt=doubt) for doubt in (1.0, 3.0))
         assert doubted.mean == sure.mean
         np.testing.assert_allclose(doubted.covariance, 9 * sure.covariance, rtol=1e-5)
         for component in COMPONENTS:
-            shares = sure.moves(component), doubted.moves(component)
-            assert abs(shares[1] - 0.5) <= abs(shares[0] - 0.5)
+            assert doubted.limits[component] == pytest.approx(3 * sure.limits[component])
+            shares = [each.share(each.way(component), component) for each in (sure, doubted)]
+            assert shares[1] <= shares[0] + 1e-6
 
 
-def test_a_belief_says_what_the_network_told(trained):
-    told = trained(found())
+def test_a_belief_says_what_the_network_believes(trained):
+    believed = trained(seen())
     for place in range(6):
-        belief, radius = belief_of_one(told, place), float(told.radius_px[place])
-        counts = told.counts[place].sigmoid().tolist()
-        assert [belief.moves(one) for one in COMPONENTS] == pytest.approx(counts)
-        assert all(0 <= share <= 1 for share in belief.ways.values())
-        turn, right, down = told.path[place].tolist()
+        belief, radius = belief_of_one(believed, place), float(believed.radius_px[place])
+        moves = believed.moves[place].sigmoid().tolist()
+        assert [belief.moves(part) for part in COMPONENTS] == pytest.approx(moves)
+        turn, right, down = believed.path[place].tolist()
         assert math.radians(belief.mean.turn_deg) * radius == pytest.approx(turn, rel=1e-5)
         assert (belief.mean.right_px, belief.mean.down_px) == pytest.approx((right, down))
-        assert belief.path(Component.TURN) == pytest.approx(abs(turn), rel=1e-5)
         spread = belief.deviation(Component.TURN) * radius * math.pi / 180
-        assert spread == pytest.approx(float(told.deviation[place, 0]), rel=1e-5)
-        # The likeliest sense of a turn is that of its mean; the press has a logit of its own.
-        assert belief.mean.along(belief.way(Component.TURN)) > 0
-        inward = float(told.press_in[place].sigmoid())
-        assert belief.share(WAYS[Component.PRESS][0], Component.PRESS) == pytest.approx(inward)
-        assert belief.readable == dict(
-            zip(COMPONENTS, (told.readable[place] >= 0).tolist(), strict=True)
-        )
+        assert spread == pytest.approx(float(believed.deviation[place, 0]), rel=1e-5)
+        limits = believed.limits[place].tolist()
+        assert [belief.limits[part] for part in COMPONENTS] == pytest.approx(limits)
+        readable = (believed.readable[place] >= 0).tolist()
+        assert belief.readable == dict(zip(COMPONENTS, readable, strict=True))

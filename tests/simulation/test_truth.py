@@ -76,7 +76,7 @@ def test_a_label_says_what_each_component_does_and_what_counts_of_it():
     trace = Trace(travel_px=(-3.0, 4.0), radius_px=20.0, visible_grey=(9.0, 1.0, 0.0))
     label = label_for(scene(**path), np.full(2, 0.1), trace)
     components = components_of(label)
-    assert [part.counts for part in components.values()] == [True, True, True]
+    assert [part.moves for part in components.values()] == [True, True, True]
     assert [part.is_visible for part in components.values()] == [True, False, False]
     ways = [part.way for part in components.values()]
     assert ways == [Motion.COUNTERCLOCKWISE, Motion.DOWN, Motion.PRESS]
@@ -84,7 +84,7 @@ def test_a_label_says_what_each_component_does_and_what_counts_of_it():
 
 def test_what_moves_the_imprint_by_less_than_noise_does_not_count():
     label = MotionLabel(Motion.STILL, rotation_deg=2.0, travel_px=(0.5, 0.0), radius_px=10.0)
-    counting = {name: part.counts for name, part in components_of(label).items()}
+    counting = {name: part.moves for name, part in components_of(label).items()}
     assert counting == {Component.TURN: False, Component.SLIDE: None, Component.PRESS: False}
     with pytest.raises(ValueError, match="tells no twist"):
         twist_of(MotionLabel(Motion.LEFT, slide_x_mm=-1.0))

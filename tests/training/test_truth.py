@@ -49,8 +49,8 @@ def test_between_still_and_counting_nothing_is_asked(component):
     bands = [(0.9 * still, False), (1.1 * still, None), (0.9 * counting, None)]
     for path, expected in (*bands, (1.1 * counting, True), (9 * counting, True)):
         truth = component_truth(moving(component, path))
-        assert truth.counts[component] is expected
-        assert all(truth.counts[one] is False for one in COMPONENTS if one is not component)
+        assert truth.moves[component] is expected
+        assert all(truth.moves[one] is False for one in COMPONENTS if one is not component)
         assert truth.twist.path(component, RADIUS) == pytest.approx(path)
 
 
@@ -59,7 +59,7 @@ def test_what_counts_but_cannot_be_seen_is_not_asked_and_what_does_not_count_sti
     dim = tuple(0.9 * READABLE_GREY if one is component else 9.0 for one in COMPONENTS)
     for path, counts in ((3 * COUNTING_PX, None), (0.0, False)):
         truth = component_truth(moving(component, path, dim))
-        assert truth.counts[component] is counts
+        assert truth.moves[component] is counts
         assert not truth.is_readable[component]
         assert all(truth.is_readable[one] for one in COMPONENTS if one is not component)
 
@@ -70,7 +70,7 @@ def test_an_untouched_gel_counts_nothing():
     for label in (none, replace(turning, contact_fraction=(0.0,) * 4)):
         truth = component_truth(label)
         assert (truth.is_touched, truth.twist) == (False, Twist())
-        assert not any(truth.counts.values())
+        assert not any(truth.moves.values())
         assert not any(truth.is_readable.values())
 
 
