@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, every
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -125,9 +125,15 @@ def is_reported(row: Row) -> bool:
     return f", {HALVES[1]}" not in row.case
 
 
-def by_half(view: Listing | Pivot) -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
-    """Return the views of a section whose halves are never shown in one table."""
-    return {"": (view, is_reported), TUNE_TITLE: (view, lambda row: not is_reported(row))}
+def by_half(
+    view: Listing | Pivot, title: str = "", shows: Callable[[Row], bool] = every
+) -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
+    """Return a view twice: the halves of recordings are never shown in one table."""
+    tune = f"{title}. {TUNE_TITLE}" if title else TUNE_TITLE
+    return {
+        title: (view, lambda row: shows(row) and is_reported(row)),
+        tune: (view, lambda row: shows(row) and not is_reported(row)),
+    }
 
 
 def real_recordings(folder: Path | None) -> dict[str, LabelledRecordings]:

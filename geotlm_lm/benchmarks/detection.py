@@ -148,27 +148,6 @@ _TOLD_COLUMNS = {
 }
 
 
-def _views() -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
-    views = {}
-    for title, (view, shows) in {
-        "Moved: told": (Listing(_TOLD_COLUMNS), lambda row: _is_moved(row) and row.variant == TOLD),
-        "Moved: the right way, as a forced choice": (
-            Pivot(lambda row: number(row.right)),
-            lambda row: _is_moved(row) and row.variant != TOLD,
-        ),
-        "Nothing turns or slides": (
-            Listing(_UNMOVED_COLUMNS),
-            lambda row: not _is_moved(row),
-        ),
-    }.items():
-        for half, (_, is_own) in by_half(view).items():
-            views[f"{title}. {half}".removesuffix(". ")] = (
-                view,
-                lambda row, shows=shows, is_own=is_own: shows(row) and is_own(row),
-            )
-    return views
-
-
 DETECTION = Section(
     name="detection",
     title="How small a motion is told",
@@ -182,6 +161,14 @@ turns or slides, nothing may be told; beside it the path that a measurement stay
 of them. *physiclear* and *calibration* are unmarked gels, *gelslim4* and *letac* have dots; a
 calibration has one idle picture, with fresh noise.""",
     run=lambda run: (row for share in detection_shares(run).values() for row in share()),
-    views=_views(),
+    views=by_half(
+        Listing(_TOLD_COLUMNS), "Moved: told", lambda row: _is_moved(row) and row.variant == TOLD
+    )
+    | by_half(
+        Pivot(lambda row: number(row.right)),
+        "Moved: the right way, as a forced choice",
+        lambda row: _is_moved(row) and row.variant != TOLD,
+    )
+    | by_half(Listing(_UNMOVED_COLUMNS), "Nothing turns or slides", lambda row: not _is_moved(row)),
     shares=detection_shares,
 )
