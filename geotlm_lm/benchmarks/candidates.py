@@ -5,8 +5,9 @@ A learned fusion is only needed where it is better than the best single thing th
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
@@ -34,11 +35,13 @@ from geotlm_lm.benchmarks.variants import (
     words_of,
 )
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import pixel_aspect
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.numbers import seed_for
-from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.measured import Measured, measured
+from geotlm_lm.motion.network import belief_of_one
 from geotlm_lm.probe.rigid_flow import classify_motion
 from geotlm_lm.simulation.truth import READABLE_GREY, twist_of
 
@@ -46,6 +49,7 @@ if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
     from geotlm_lm.core.labels import MotionLabel
     from geotlm_lm.motion.belief import Belief
+    from geotlm_lm.motion.network import MotionNetwork
 
 CANDIDATES = (*MEASURED, "learned shear")
 """Names of the rows of `Measured.paths`."""
@@ -60,6 +64,9 @@ MIXED_CLIPS = 600
 SIZES_PX = (0.1, 1.0)
 """Ends of the true paths of mixed motions that are told apart: below nothing is graded."""
 
+METHODS = (BELIEF, *CANDIDATES, *FITS)
+"""What is forced to choose."""
+
 MOVING = {Component.TURN: ROTATIONS, Component.SLIDE: SLIDES}
 """Components with a direction in the image -> their ways."""
 
@@ -70,22 +77,32 @@ Ways = Mapping[Component, Motion]
 class Leanings:
     """What each method makes of a clip, were it forced to choose."""
 
-    belief: Belief
-    ways: Mapping[str, Ways]  # of the belief, each candidate and each rival
-    paths: Mapping[str, tuple[float, float, float]]  # of each candidate: turn, right, down, px
+    belief: Belief | None = None  # None where the clip was refused: it then names nothing
+    # Of the belief, each candidate and each rival.
+    ways: Mapping[str, Ways] = field(default_factory=dict)
+    # Of each candidate: turn, right, down, px.
+    paths: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     def told(self, component: Component) -> Motion | None:
         """Return the way that is told of a component; None where it is not told to move."""
-        return self.belief.way(component) if self.belief.moves(component) >= 0.5 else None
+        belief = self.belief
+        return belief.way(component) if belief and belief.moves(component) >= 0.5 else None
+
+    def leans(self, name: str, component: Component) -> Motion | None:
+        """Return the way of a component that a method speaks for."""
+        return self.ways.get(name, {}).get(component)
 
 
-def leanings(answerer: Answerer, clip: Clip, *, with_rivals: bool = True) -> Leanings:
+def leanings(answerer: Answerer, clip: Clip) -> Leanings:
     """Return what the belief, its candidates and the rivals make of four frames."""
-    encoded = answerer.encode(clip)
+    try:
+        encoded = answerer.encode(clip)
+    except UnreadableClip:
+        return Leanings()
     paths = paths_of(measured_of(encoded))
     ways = {BELIEF: {part: encoded.belief.way(part) for part in MOVING}}
     ways |= {name: ways_of(*path) for name, path in paths.items()}
-    for name, rival in FITS.items() if with_rivals else ():
+    for name, rival in FITS.items():
         fit = rival.fit(on_gel(clip))
         ways[name] = {part: classify_motion(fit, among) for part, among in MOVING.items()}
     return Leanings(encoded.belief, ways, paths)
@@ -95,6 +112,15 @@ def paths_of(seen: Measured) -> dict[str, tuple[float, float, float]]:
     """Return the paths that are measured of a clip, by the names of what measures them."""
     paths = seen.paths[0].tolist()
     return {name: tuple(path) for name, path in zip(CANDIDATES, paths, strict=False)}
+
+
+def twists_of(seen: Measured) -> dict[str, Twist]:
+    """Return the motions that are measured of a clip, by the names of what measures them."""
+    radius = float(seen.radius_px[0])
+    return {
+        name: Twist(math.degrees(turn / radius), right, down, 0.0)
+        for name, (turn, right, down) in paths_of(seen).items()
+    }
 
 
 @torch.inference_mode()
@@ -118,7 +144,10 @@ def weights_of(answerer: Answerer, seen: Measured) -> dict[str, float]:
 
 
 def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
-    """Return words, what is told, the leaning, each candidate alone and the rivals, by name."""
+    """Return words, what is told, the leaning, each candidate alone and the rivals, by name.
+
+    A network that names `PARTS` is also asked without each of what it learned.
+    """
     perceive, seen = lru_cache(maxsize=1)(answerer.encode), lru_cache(maxsize=1)(measured_of)
 
     def told(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
@@ -133,9 +162,19 @@ def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
 
         return read
 
+    def without(network: MotionNetwork) -> Read:
+        @torch.inference_mode()
+        def read(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
+            return leaning_of(belief_of_one(network(seen(encoded))), among)
+
+        return read
+
     reads = {GENERATED: words_of(answerer, question_for), TOLD: told}
     reads |= {LEANING: lambda encoded, among: leaning_of(encoded.belief, among)}
     reads |= {name: alone(name) for name in CANDIDATES}
+    network = answerer.bundle.motion
+    for part in getattr(network, "PARTS", ()):
+        reads[f"belief without {part}"] = without(network.without(part))
     own = {name: after_perceiving(perceive, read) for name, read in reads.items()}
     leaning = own[LEANING]
 
@@ -242,8 +281,9 @@ CANDIDATE_SECTION = Section(
 The sign of the asked component, as a forced choice: what the belief leans to beside each
 measurement that it is given, alone, and two rivals; what is told, and told the wrong way, apart.
 A leaning is *below* the better rival by more than one clip and 0.005. *Weights* are those of
-{", ".join(CANDIDATES)}, on the mean, where the network tells any. Of simulated mixtures each
-component that shows is asked about, by the size of its true path.""",
+{", ".join(CANDIDATES)}, on the mean, where the network tells any. *Without* is
+what the belief leans to where one learned part of the network is left out. Of simulated mixtures
+each component that shows is asked about, by the size of its true path.""",
     run=lambda run: (row for share in candidate_shares(run).values() for row in share()),
     views=by_half(
         Pivot(lambda row: number(row.right)),

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from geotlm_lm.benchmarks.candidates import MOVING, TOLD, Leanings, leanings
+from geotlm_lm.benchmarks.candidates import CANDIDATES, METHODS, MOVING, TOLD, Leanings, leanings
 from geotlm_lm.benchmarks.cases import HALVES, Half, by_half, titled
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
 from geotlm_lm.benchmarks.imprints import SOURCES, MovedImprint, moved_imprints
@@ -72,18 +72,19 @@ def case_of(moved: MovedImprint) -> str:
 def moved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[Row]:
     """Yield what is told of motions of one size, and what each method leans to."""
     families, told, right = [], [], []
-    leaning: dict[str, list[bool]] = {name: [] for name in answered[0][1].ways}
+    leaning: dict[str, list[bool]] = {name: [] for name in METHODS}
     for moved, seen in answered:
         families.append(moved.family)
         told.append(seen.told(moved.component))
         right.append(told[-1] is moved.way)
         for name, own in leaning.items():
-            own.append(seen.ways[name][moved.component] is moved.way)
+            own.append(seen.leans(name, moved.component) is moved.way)
     claims = np.array([named is not None for named in told])
     detail = {
         "claimed": float(claims.mean()),
         "claimed_interval": clustered_interval(claims, families, seed=seed),
         "wrong_way": float((claims & ~np.array(right)).mean()),
+        "refused": sum(seen.belief is None for _, seen in answered),
     }
     yield share_row(case, TOLD, right, families, seed, detail=detail)
     for name, own in leaning.items():
@@ -93,9 +94,10 @@ def moved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[R
 
 def off_by(name: str, answered: Sequence[Answered]) -> dict[str, float]:
     """Return the median and 95th percentile of a candidate's path in px; none of what has none."""
-    if name not in answered[0][1].paths:
+    paths = [seen.paths[name] for _, seen in answered if name in seen.paths]
+    if not paths:
         return {}
-    turn, right, down = np.abs([seen.paths[name] for _, seen in answered]).T
+    turn, right, down = np.abs(paths).T
     slide = np.hypot(right, down)
     return {
         f"{part}_px_{rank}": float(np.quantile(values, rank / 100))
@@ -110,12 +112,14 @@ def unmoved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator
     told = {
         part: np.array([seen.told(part) is not None for _, seen in answered]) for part in MOVING
     }
-    touch = np.mean([seen.belief.contact >= 0.5 for _, seen in answered])
+    touch = np.mean(
+        [seen.belief is not None and seen.belief.contact >= 0.5 for _, seen in answered]
+    )
     detail = {str(part): float(own.mean()) for part, own in told.items()} | {"touch": float(touch)}
     silent = ~np.logical_or(*told.values())
     yield share_row(case, TOLD, silent, families, seed, detail=detail)
     # Of what grows, a path is no noise.
-    for name in answered[0][1].paths if answered[0][0].way is Motion.STILL else ():
+    for name in CANDIDATES if answered[0][0].way is Motion.STILL else ():
         yield Row(case, name, len(answered), detail=off_by(name, answered))
 
 
@@ -145,6 +149,7 @@ _TOLD_COLUMNS = {
     "told the right way (95 %)": right_with_interval,
     "told at all": _share("claimed"),
     "the wrong way": _share("wrong_way"),
+    "refused": lambda row: str(row.detail["refused"]),
 }
 
 
