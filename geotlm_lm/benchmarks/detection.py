@@ -18,6 +18,7 @@ from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Shar
 from geotlm_lm.benchmarks.imprints import SOURCES, MovedImprint, moved_imprints
 from geotlm_lm.benchmarks.judging import clustered_interval, share_row
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 
@@ -60,6 +61,10 @@ def _rows(run: Run, folder: Path, kind: str, half: Half) -> Iterator[Row]:
         own = answered[case]
         made = moved_rows if own[0][0].component in MOVING else unmoved_rows
         yield from made(titled(case, half), own, run.seed)
+        if own[0][0].way is Motion.PRESS:
+            backwards = answered[case.replace(UNMOVED[Motion.PRESS], UNMOVED[Motion.RELEASE])]
+            case = case.replace(UNMOVED[Motion.PRESS], "claimed of a press, survives backwards")
+            yield from surviving_rows(titled(case, half), own, backwards, run.seed)
 
 
 def case_of(moved: MovedImprint) -> str:
@@ -123,19 +128,32 @@ def unmoved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator
         yield Row(case, name, len(answered), detail=off_by(name, answered))
 
 
+def surviving_rows(
+    case: str, pressed: Sequence[Answered], backwards: Sequence[Answered], seed: int
+) -> Iterator[Row]:
+    """Yield the share of turns told of a press that are told the other way of it backwards."""
+    survives, families = [], []
+    for (moved, seen), (_, reverse) in zip(pressed, backwards, strict=True):
+        if way := seen.told(Component.TURN):
+            survives.append(reverse.told(Component.TURN) is opposite(way))
+            families.append(moved.family)
+    if survives:
+        yield share_row(case, TOLD, survives, families, seed)
+
+
 def _share(name: str) -> Callable[[Row], str]:
     return lambda row: number(row.detail.get(name))
 
 
 def _is_moved(row: Row) -> bool:
-    return not any(f", {shown}, " in row.case for shown in UNMOVED.values())
+    return " by " in row.case
 
 
 _UNMOVED_COLUMNS = {
     "clips": lambda row: row.case,
     "n": lambda row: str(row.count),
     "method": lambda row: row.variant,
-    "nothing told (95 %)": right_with_interval,
+    "right (95 %)": right_with_interval,
     "a turn told": _share("turn"),
     "a slide told": _share("slide"),
     "touch told": _share("touch"),
@@ -162,7 +180,8 @@ moved by a known path (pixels of a 224-pixel image, 0.08 mm on a GelSight Mini; 
 contact's radius), held still, pressed in and let go, or left out. *Told* is what is decided: a
 component moves and goes this way. The others are forced to choose a way, whether or not anything is
 told: the belief by its leaning, each single measurement, and both rivals. Of clips in which nothing
-turns or slides, nothing may be told; beside it the path that a measurement stays below in 95 of 100
+turns or slides, nothing may be told, and a turn told of a press has to be told the other way of the
+same played backwards; beside it the path that a measurement stays below in 95 of 100
 of them. *physiclear* and *calibration* are unmarked gels, *gelslim4* and *letac* have dots; a
 calibration has one idle picture, with fresh noise.""",
     run=lambda run: (row for share in detection_shares(run).values() for row in share()),

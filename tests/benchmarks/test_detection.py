@@ -3,7 +3,13 @@
 import pytest
 
 from geotlm_lm.benchmarks.candidates import CANDIDATES, METHODS, TOLD, Leanings, ways_of
-from geotlm_lm.benchmarks.detection import DETECTION, case_of, moved_rows, unmoved_rows
+from geotlm_lm.benchmarks.detection import (
+    DETECTION,
+    case_of,
+    moved_rows,
+    surviving_rows,
+    unmoved_rows,
+)
 from geotlm_lm.benchmarks.imprints import MovedImprint
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.core.labels import Motion
@@ -51,3 +57,12 @@ def test_where_nothing_turns_or_slides_nothing_may_be_told(way):
     assert len(others) == (len(CANDIDATES) if way is Motion.STILL else 0)
     shown = "\n".join(tables(DETECTION, [told, *others]))
     assert shown.count(told.case) == 1 + len(others)
+
+
+def test_a_turn_of_a_press_survives_where_it_turns_round_with_the_clip():
+    press, lift = moved(Motion.PRESS), moved(Motion.RELEASE)
+    pressed = [(press, seen(way)) for way in ("clockwise", "clockwise", "still")]
+    backwards = [(lift, seen(way)) for way in ("counterclockwise", "clockwise", "left")]
+    (row,) = surviving_rows("here", pressed, backwards, 0)
+    assert (row.count, row.right) == (2, 0.5)
+    assert not list(surviving_rows("here", pressed[2:], backwards[2:], 0))
