@@ -17,10 +17,12 @@ import numpy as np
 from geotlm_lm.answering.evidence_of import recording_of
 from geotlm_lm.benchmarks.candidates import measured_of, twists_of
 from geotlm_lm.benchmarks.cases import (
+    MIXED_CLIPS,
     by_half,
     recordings_by_half,
     rows_of_half,
     simulated_clips,
+    simulated_mixtures,
     titled,
 )
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
@@ -32,7 +34,6 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
-from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
@@ -41,15 +42,13 @@ from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.amounts import Measure, measure
-from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.simulation.simulate import simulate_series
 from geotlm_lm.simulation.truth import components_of, twist_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
     from geotlm_lm.motion.belief import Belief
 
-MIXED_CLIPS, CLIPS = 600, 300
+CLIPS = 300
 
 UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
 
@@ -176,16 +175,9 @@ def _rigid(twist: Twist) -> Prediction:
 def mixture_rows(run: Run) -> list[Row]:
     """Return one row for each thing graded and method."""
     count = run.size(MIXED_CLIPS, 6)
-    series = simulate_series(
-        seed_for(run.seed, "evaluation", "mixtures"),
-        count,
-        objects=EVERYDAY_OBJECTS,
-        motions=[motion for motion in Motion if motion is not Motion.NONE],
-        mixed_share=1.0,
-    )
 
     def graded() -> Iterator[Graded]:
-        for done, made in enumerate(series, start=1):
+        for done, made in enumerate(simulated_mixtures(count, run.seed), start=1):
             encoded = run.answerer.encode(made.clip)
             predictions = {
                 BELIEF: belief_prediction(encoded.belief),

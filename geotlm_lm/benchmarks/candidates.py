@@ -15,7 +15,7 @@ import torch
 
 from geotlm_lm.backbone.motions import MEASURED
 from geotlm_lm.backbone.stem import measure_clip
-from geotlm_lm.benchmarks.cases import HALVES, by_half
+from geotlm_lm.benchmarks.cases import HALVES, MIXED_CLIPS, by_half, simulated_mixtures
 from geotlm_lm.benchmarks.clips import clip_shares
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
 from geotlm_lm.benchmarks.judging import Reply, Variant, share_rows
@@ -38,7 +38,6 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import pixel_aspect
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import belief_of_one
@@ -58,8 +57,6 @@ TOLD = "told"
 """What is told by the belief's decision, beside what it leans to."""
 
 TASK_NAMES = ("rotation", "sliding")
-
-MIXED_CLIPS = 600
 
 SIZES_PX = (0.1, 1.0)
 """Ends of the true paths of mixed motions that are told apart: below nothing is graded."""
@@ -209,20 +206,10 @@ def _with_best(share: Share) -> Iterator[Row]:
 
 def mixed_rows(run: Run) -> Iterator[Row]:
     """Yield the sign of each component of simulated mixed motions, by the size of its path."""
-    from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-    from geotlm_lm.simulation.simulate import simulate_series
-
     count = run.size(MIXED_CLIPS, 6)
-    series = simulate_series(
-        seed_for(run.seed, "evaluation", "mixtures"),
-        count,
-        objects=EVERYDAY_OBJECTS,
-        motions=[motion for motion in Motion if motion is not Motion.NONE],
-        mixed_share=1.0,
-    )
     variants = candidate_variants(run.answerer, run.seed)
     graded, wrong = [], {}
-    for done, made in enumerate(series, start=1):
+    for done, made in enumerate(simulated_mixtures(count, run.seed), start=1):
         for component, size, truth in _seen_of(made.label):
             case = f"simulated mixtures, {component}, {size}"
             for name, variant in variants.items():

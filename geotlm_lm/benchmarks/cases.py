@@ -50,6 +50,8 @@ TASKS: dict[str, tuple[Motion, ...]] = {
 }
 """The paper's two tasks, and all ten motions together."""
 
+MIXED_CLIPS = 600
+
 MOST_TRIES = 6
 """Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
 
@@ -100,6 +102,17 @@ def simulated_cases(
     """Yield the same clips as cases."""
     for made in simulated_clips(task, count, seed, left_out):
         yield Case(made.clip, made.label.motion, made.object_name, made.object_name)
+
+
+def simulated_mixtures(count: int, seed: int) -> Iterator[SimulatedClip]:
+    """Yield simulated clips that turn, slide and press freely at once, readable or not."""
+    from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+    from geotlm_lm.simulation.simulate import simulate_series
+
+    motions = [motion for motion in Motion if motion is not Motion.NONE]
+    root = seed_for(seed, "evaluation", "mixtures")
+    options = {"objects": EVERYDAY_OBJECTS, "motions": motions, "mixed_share": 1.0}
+    yield from simulate_series(root, count, **options)
 
 
 def half_of(family: str) -> Half:
