@@ -2,8 +2,8 @@
 
 An imprint is a touched frame's change against the mean idle gel. Carried, it lies over the idle
 frames of its own recording in turn, with their noise, codec and flicker; it lacks the change of
-lighting from place to place and the gel's creep, and the touched frame's own noise goes along. On a gel
-with dots, the change of the dots is carried too, while the idle dots stay.
+lighting from place to place and the gel's creep, and the touched frame's own noise goes along. On
+a gel with dots, the change of the dots is carried too, while the idle dots stay.
 """
 
 from __future__ import annotations
