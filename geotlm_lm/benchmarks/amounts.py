@@ -15,11 +15,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from geotlm_lm.answering.evidence_of import recording_of
+from geotlm_lm.benchmarks.candidates import measured_of, twists_of
 from geotlm_lm.benchmarks.cases import (
+    MIXED_CLIPS,
     by_half,
     recordings_by_half,
     rows_of_half,
     simulated_clips,
+    simulated_mixtures,
     titled,
 )
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
@@ -31,7 +34,6 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
-from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
@@ -40,15 +42,13 @@ from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.amounts import Measure, measure
-from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
-from geotlm_lm.simulation.simulate import simulate_series
 from geotlm_lm.simulation.truth import components_of, twist_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
     from geotlm_lm.motion.belief import Belief
 
-MIXED_CLIPS, CLIPS = 600, 300
+CLIPS = 300
 
 UNITS = {Component.TURN: "deg", Component.SLIDE: "px", Component.PRESS: "mm"}
 
@@ -162,7 +162,12 @@ def _fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction
     fit = rival.fit(clip)
     rows, columns = camera_size(*clip.frames.shape[1:3])
     right, down = fit.slide_x_px * IMAGE_SIDE / columns, fit.slide_y_px * IMAGE_SIDE / rows
-    ways = _parts(Twist(fit.rotation_deg, right, down))
+    return _rigid(Twist(fit.rotation_deg, right, down))
+
+
+def _rigid(twist: Twist) -> Prediction:
+    """Return what a turn and a slide say, of which nobody tells whether they count."""
+    ways = _parts(twist)
     del ways[Component.PRESS]
     return Prediction(ways, {part: math.hypot(*way) for part, way in ways.items()})
 
@@ -170,21 +175,16 @@ def _fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction
 def mixture_rows(run: Run) -> list[Row]:
     """Return one row for each thing graded and method."""
     count = run.size(MIXED_CLIPS, 6)
-    series = simulate_series(
-        seed_for(run.seed, "evaluation", "mixtures"),
-        count,
-        objects=EVERYDAY_OBJECTS,
-        motions=[motion for motion in Motion if motion is not Motion.NONE],
-        mixed_share=1.0,
-    )
 
     def graded() -> Iterator[Graded]:
-        for done, made in enumerate(series, start=1):
+        for done, made in enumerate(simulated_mixtures(count, run.seed), start=1):
             encoded = run.answerer.encode(made.clip)
             predictions = {
                 BELIEF: belief_prediction(encoded.belief),
                 GENERATED: words_prediction(run.answerer, encoded),
             }
+            for name, twist in twists_of(measured_of(encoded)).items():
+                predictions[name] = _rigid(twist)
             for name, rival in zip(RIVALS, FITS.values(), strict=True):
                 predictions[name] = _fit_prediction(rival, made.clip)
             for name, predicted in predictions.items():
@@ -214,7 +214,7 @@ class Moved:
 
 
 def amount_rows(run: Run) -> Iterator[Row]:
-    """Yield a row of the belief and of each rival for each source of clips."""
+    """Yield a row of the belief, each candidate and each rival for each source of clips."""
     for title, clips in _sources(run):
         run.progress(f"how far, {title}", 0, 1)
         answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
@@ -222,6 +222,8 @@ def amount_rows(run: Run) -> Iterator[Row]:
             encoded, component = run.answerer.encode(moved.clip), COMPONENT_OF[moved.motion].value
             amount = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
             answers.setdefault(BELIEF, []).append((moved, amount))
+            for name, twist in twists_of(measured_of(encoded)).items():
+                answers.setdefault(name, []).append((moved, amount_in(moved, twist)))
             for name, rival in FITS.items():
                 answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
         for method, pairs in answers.items():
@@ -285,6 +287,13 @@ def fitted_amount(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
     camera_rows, camera_columns = camera_size(rows, columns)
     x, y = fit.slide_x_px * columns / camera_columns, fit.slide_y_px * rows / camera_rows
     return float(np.hypot(x, y))
+
+
+def amount_in(moved: Moved, twist: Twist) -> float:
+    """Return how far a motion in pixels of the 224-pixel image goes in a clip's own frames."""
+    rows, columns = (side / IMAGE_SIDE for side in moved.clip.frames.shape[1:3])
+    slide = math.hypot(twist.right_px * columns, twist.down_px * rows)
+    return abs(twist.turn_deg) if moved.unit == "deg" else slide
 
 
 def amount_row(

@@ -10,7 +10,9 @@ from functools import partial
 from typing import Any
 
 from geotlm_lm.benchmarks.amounts import AMOUNTS, MIXTURES
+from geotlm_lm.benchmarks.candidates import CANDIDATE_SECTION
 from geotlm_lm.benchmarks.clips import CLIPS_SECTION, clip_rows
+from geotlm_lm.benchmarks.contact import CONTACT
 from geotlm_lm.benchmarks.detection import DETECTION
 from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, Section, Share
 from geotlm_lm.benchmarks.omissions import SAVED
@@ -39,7 +41,18 @@ ACCURACY = Bench(
     name="accuracy",
     title="Accuracy",
     about="What is right, how often, and beside what: simulated, real and published numbers apart.",
-    sections=(CLIPS_SECTION, DETECTION, TRACKS, MIXTURES, AMOUNTS, READING, QUESTIONS, PROTOCOLS),
+    sections=(
+        CLIPS_SECTION,
+        CANDIDATE_SECTION,
+        DETECTION,
+        CONTACT,
+        TRACKS,
+        MIXTURES,
+        AMOUNTS,
+        READING,
+        QUESTIONS,
+        PROTOCOLS,
+    ),
 )
 
 EVALUATION = Bench(

@@ -5,31 +5,64 @@ A learned fusion is only needed where it is better than the best single thing th
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING
 
 import torch
 
 from geotlm_lm.backbone.motions import MEASURED
 from geotlm_lm.backbone.stem import measure_clip
-from geotlm_lm.benchmarks.variants import BELIEF, FITS, on_gel
+from geotlm_lm.benchmarks.cases import HALVES, MIXED_CLIPS, by_half, simulated_mixtures
+from geotlm_lm.benchmarks.clips import clip_shares
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
+from geotlm_lm.benchmarks.judging import Reply, Variant, share_rows
+from geotlm_lm.benchmarks.rendering import number
+from geotlm_lm.benchmarks.variants import (
+    BELIEF,
+    FITS,
+    GENERATED,
+    LEANING,
+    Read,
+    after_perceiving,
+    leaning_of,
+    on_gel,
+    question_for,
+    rivals,
+    ways_of,
+    words_of,
+)
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import pixel_aspect
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.measured import Measured, measured
+from geotlm_lm.motion.network import belief_of_one
 from geotlm_lm.probe.rigid_flow import classify_motion
+from geotlm_lm.simulation.truth import READABLE_GREY, twist_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
+    from geotlm_lm.core.labels import MotionLabel
     from geotlm_lm.motion.belief import Belief
+    from geotlm_lm.motion.network import MotionNetwork
 
 CANDIDATES = (*MEASURED, "learned shear")
 """Names of the rows of `Measured.paths`."""
 
 TOLD = "told"
 """What is told by the belief's decision, beside what it leans to."""
+
+TASK_NAMES = ("rotation", "sliding")
+
+SIZES_PX = (0.1, 1.0)
+"""Ends of the true paths of mixed motions that are told apart: below nothing is graded."""
+
+METHODS = (BELIEF, *CANDIDATES, *FITS)
+"""What is forced to choose."""
 
 MOVING = {Component.TURN: ROTATIONS, Component.SLIDE: SLIDES}
 """Components with a direction in the image -> their ways."""
@@ -41,38 +74,50 @@ Ways = Mapping[Component, Motion]
 class Leanings:
     """What each method makes of a clip, were it forced to choose."""
 
-    belief: Belief
-    ways: Mapping[str, Ways]  # of the belief, each candidate and each rival
-    paths: Mapping[str, tuple[float, float, float]]  # of each candidate: turn, right, down, px
-    weights: Mapping[str, float] = field(default_factory=dict)  # of each, if the network has any
+    belief: Belief | None = None  # None where the clip was refused: it then names nothing
+    # Of the belief, each candidate and each rival.
+    ways: Mapping[str, Ways] = field(default_factory=dict)
+    # Of each candidate: turn, right, down, px.
+    paths: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
     def told(self, component: Component) -> Motion | None:
         """Return the way that is told of a component; None where it is not told to move."""
-        return self.belief.way(component) if self.belief.moves(component) >= 0.5 else None
+        belief = self.belief
+        return belief.way(component) if belief and belief.moves(component) >= 0.5 else None
+
+    def leans(self, name: str, component: Component) -> Motion | None:
+        """Return the way of a component that a method speaks for."""
+        return self.ways.get(name, {}).get(component)
 
 
-def leanings(answerer: Answerer, clip: Clip, *, with_rivals: bool = True) -> Leanings:
+def leanings(answerer: Answerer, clip: Clip) -> Leanings:
     """Return what the belief, its candidates and the rivals make of four frames."""
-    encoded = answerer.encode(clip)
-    seen = measured_of(encoded)
-    names = names_of(seen)
-    paths = dict(zip(names, map(tuple, seen.paths[0].tolist()), strict=True))
+    try:
+        encoded = answerer.encode(clip)
+    except UnreadableClip:
+        return Leanings()
+    paths = paths_of(measured_of(encoded))
     ways = {BELIEF: {part: encoded.belief.way(part) for part in MOVING}}
     ways |= {name: ways_of(*path) for name, path in paths.items()}
-    for name, rival in FITS.items() if with_rivals else ():
+    for name, rival in FITS.items():
         fit = rival.fit(on_gel(clip))
         ways[name] = {part: classify_motion(fit, among) for part, among in MOVING.items()}
-    with torch.inference_mode():
-        beliefs = answerer.bundle.motion(seen)
-    weights = getattr(beliefs, "weights", None)
-    shares = {} if weights is None else dict(zip(names, weights[0].tolist(), strict=True))
-    return Leanings(encoded.belief, ways, paths, shares)
+    return Leanings(encoded.belief, ways, paths)
 
 
-def names_of(seen: Measured) -> tuple[str, ...]:
-    """Return the names of what is measured, in order."""
-    count = seen.paths.shape[1]
-    return CANDIDATES if count == len(CANDIDATES) else MEASURED[:count]
+def paths_of(seen: Measured) -> dict[str, tuple[float, float, float]]:
+    """Return the paths that are measured of a clip, by the names of what measures them."""
+    paths = seen.paths[0].tolist()
+    return {name: tuple(path) for name, path in zip(CANDIDATES, paths, strict=False)}
+
+
+def twists_of(seen: Measured) -> dict[str, Twist]:
+    """Return the motions that are measured of a clip, by the names of what measures them."""
+    radius = float(seen.radius_px[0])
+    return {
+        name: Twist(math.degrees(turn / radius), right, down, 0.0)
+        for name, (turn, right, down) in paths_of(seen).items()
+    }
 
 
 @torch.inference_mode()
@@ -88,10 +133,151 @@ def measured_of(encoded: Encoded) -> Measured:
     return measured(inputs, numbers, perception.geometry, perception.fused_token, aspect)
 
 
-def ways_of(turn: float, right: float, down: float) -> dict[Component, Motion]:
-    """Return the ways that a path speaks for, however short."""
-    along = max(
-        (right, Motion.RIGHT), (-right, Motion.LEFT), (down, Motion.DOWN), (-down, Motion.UP)
+@torch.inference_mode()
+def weights_of(answerer: Answerer, seen: Measured) -> dict[str, float]:
+    """Return how much each of what is measured weighs; none where the network does not tell."""
+    weights = getattr(answerer.bundle.motion(seen), "weights", None)
+    return {} if weights is None else dict(zip(CANDIDATES, weights[0].tolist(), strict=False))
+
+
+def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
+    """Return words, what is told, the leaning, each candidate alone and the rivals, by name.
+
+    A network that names `PARTS` is also asked without each of what it learned.
+    """
+    perceive, seen = lru_cache(maxsize=1)(answerer.encode), lru_cache(maxsize=1)(measured_of)
+
+    def told(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
+        ways = map(encoded.belief.way, encoded.belief.by_size())
+        return next((way for way in ways if way in among), None)
+
+    def alone(name: str) -> Read:
+        def read(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
+            path = paths_of(seen(encoded)).get(name)
+            ways = ways_of(*path).values() if path else ()
+            return next((way for way in ways if way in among), None)
+
+        return read
+
+    def without(network: MotionNetwork) -> Read:
+        @torch.inference_mode()
+        def read(encoded: Encoded, among: tuple[Motion, ...]) -> Motion:
+            return leaning_of(belief_of_one(network(seen(encoded))), among)
+
+        return read
+
+    reads = {GENERATED: words_of(answerer, question_for), TOLD: told}
+    reads |= {LEANING: lambda encoded, among: leaning_of(encoded.belief, among)}
+    reads |= {name: alone(name) for name in CANDIDATES}
+    network = answerer.bundle.motion
+    for part in getattr(network, "PARTS", ()):
+        reads[f"belief without {part}"] = without(network.without(part))
+    own = {name: after_perceiving(perceive, read) for name, read in reads.items()}
+    leaning = own[LEANING]
+
+    def weighed(clip: Clip, among: tuple[Motion, ...]) -> Reply:
+        weights = weights_of(answerer, seen(perceive(clip)))
+        return replace(leaning(clip, among), weights=weights)
+
+    return own | {LEANING: weighed} | rivals()
+
+
+def candidate_shares(run: Run) -> dict[str, Share]:
+    """Return what yields the rows of each source of clips, and of simulated mixtures."""
+    sources = clip_shares(run, HALVES, {}, TASK_NAMES, candidate_variants)
+    shares: dict[str, Share] = {name: partial(_with_best, share) for name, share in sources.items()}
+    return shares | {"simulated mixtures": partial(_with_best, partial(mixed_rows, run))}
+
+
+def _with_best(share: Share) -> Iterator[Row]:
+    """Yield rows; those of the leaning tell the best candidate of their case."""
+    rows = list(share())
+    alone: dict[str, list[Row]] = {}
+    for row in rows:
+        if row.variant in CANDIDATES:
+            alone.setdefault(row.case, []).append(row)
+    for row in rows:
+        if row.variant == LEANING and row.case in alone:
+            best = max(alone[row.case], key=lambda other: other.right)
+            found = {"name": best.variant, "difference": best.error - row.error}
+            row = replace(row, detail={**row.detail, "best": found})
+        yield row
+
+
+def mixed_rows(run: Run) -> Iterator[Row]:
+    """Yield the sign of each component of simulated mixed motions, by the size of its path."""
+    count = run.size(MIXED_CLIPS, 6)
+    variants = candidate_variants(run.answerer, run.seed)
+    graded, wrong = [], {}
+    for done, made in enumerate(simulated_mixtures(count, run.seed), start=1):
+        for component, size, truth in _seen_of(made.label):
+            case = f"simulated mixtures, {component}, {size}"
+            for name, variant in variants.items():
+                motion = variant(made.clip, MOVING[component]).motion
+                graded.append((case, name, motion is truth, made.object_name))
+                own = wrong.setdefault((case, name), [])
+                own.append(motion is not truth and motion in MOVING[component])
+        run.progress("simulated mixtures", done, count)
+    for row in share_rows(graded, run.seed):
+        share = sum(wrong[row.case, row.variant]) / row.count
+        yield replace(row, detail={**row.detail, "wrong_way": share})
+
+
+def _seen_of(label: MotionLabel) -> Iterator[tuple[Component, str, Motion]]:
+    """Yield each component whose picture tells it, the size of its path and its true way."""
+    twist, (least, small) = twist_of(label), SIZES_PX
+    for component, grey in zip(COMPONENTS, label.visible_grey, strict=True):
+        path = twist.path(component, label.radius_px)
+        # What is small changes a picture little: it is told by what a pixel of it would change.
+        if component in MOVING and path >= least and grey >= READABLE_GREY * min(path, 1.0):
+            size = f"{least:g} to {small:g} px" if path < small else f"{small:g} px or more"
+            yield component, size, twist.way(component)
+
+
+def _against(name: str) -> dict[str, Callable[[Row], str]]:
+    return {
+        name: lambda row: row.detail.get(name, {}).get("name", "-"),
+        f"leaning less {name}": lambda row: number(
+            row.detail.get(name, {}).get("difference"), "+.3f"
+        ),
+    }
+
+
+_RIVALRY = {
+    "clips": lambda row: row.case,
+    "n": lambda row: str(row.count),
+    "leaning": lambda row: number(row.right),
+    **_against("best"),
+    **_against("rival"),
+    "below the rival": lambda row: "below" * row.detail.get("rival", {}).get("is_below", False),
+    "weights": lambda row: " ".join(f"{x:.2f}" for x in row.detail.get("weights", {}).values()),
+}
+
+_TOLD = {
+    "clips": lambda row: row.case,
+    "n": lambda row: str(row.count),
+    "method": lambda row: row.variant,
+    "the right way": lambda row: number(row.right),
+    "the wrong way": lambda row: number(row.detail.get("wrong_way")),
+}
+
+CANDIDATE_SECTION = Section(
+    name="candidates",
+    title="What is measured, each alone",
+    about=f"""\
+The sign of the asked component, as a forced choice: what the belief leans to beside each
+measurement that it is given, alone, and two rivals; what is told, and told the wrong way, apart.
+A leaning is *below* the better rival by more than one clip and 0.005. *Weights* are those of
+{", ".join(CANDIDATES)}, on the mean, where the network tells any. *Without* is
+what the belief leans to where one learned part of the network is left out. Of simulated mixtures
+each component that shows is asked about, by the size of its true path.""",
+    run=lambda run: (row for share in candidate_shares(run).values() for row in share()),
+    views=by_half(
+        Pivot(lambda row: number(row.right)),
+        "As a forced choice",
+        lambda row: row.variant not in (TOLD, GENERATED),
     )
-    sense = Motion.CLOCKWISE if turn > 0 else Motion.COUNTERCLOCKWISE
-    return {Component.TURN: sense, Component.SLIDE: along[1]}
+    | by_half(Listing(_RIVALRY), "The leaning", lambda row: row.variant == LEANING)
+    | by_half(Listing(_TOLD), "Told", lambda row: row.variant in (TOLD, GENERATED)),
+    shares=candidate_shares,
+)

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, every
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -49,6 +49,8 @@ TASKS: dict[str, tuple[Motion, ...]] = {
     "all": tuple(Motion),
 }
 """The paper's two tasks, and all ten motions together."""
+
+MIXED_CLIPS = 600
 
 MOST_TRIES = 6
 """Scenes simulated per clip asked for, at most: a bound on a search, not an expected number."""
@@ -102,6 +104,17 @@ def simulated_cases(
         yield Case(made.clip, made.label.motion, made.object_name, made.object_name)
 
 
+def simulated_mixtures(count: int, seed: int) -> Iterator[SimulatedClip]:
+    """Yield simulated clips that turn, slide and press freely at once, readable or not."""
+    from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
+    from geotlm_lm.simulation.simulate import simulate_series
+
+    motions = [motion for motion in Motion if motion is not Motion.NONE]
+    root = seed_for(seed, "evaluation", "mixtures")
+    options = {"objects": EVERYDAY_OBJECTS, "motions": motions, "mixed_share": 1.0}
+    yield from simulate_series(root, count, **options)
+
+
 def half_of(family: str) -> Half:
     """Return the half of a family of objects: as halves.toml says, else by its hash."""
     family = LISTED["same"].get(family, family)
@@ -125,9 +138,15 @@ def is_reported(row: Row) -> bool:
     return f", {HALVES[1]}" not in row.case
 
 
-def by_half(view: Listing | Pivot) -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
-    """Return the views of a section whose halves are never shown in one table."""
-    return {"": (view, is_reported), TUNE_TITLE: (view, lambda row: not is_reported(row))}
+def by_half(
+    view: Listing | Pivot, title: str = "", shows: Callable[[Row], bool] = every
+) -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
+    """Return a view twice: the halves of recordings are never shown in one table."""
+    tune = f"{title}. {TUNE_TITLE}" if title else TUNE_TITLE
+    return {
+        title: (view, lambda row: shows(row) and is_reported(row)),
+        tune: (view, lambda row: shows(row) and not is_reported(row)),
+    }
 
 
 def real_recordings(folder: Path | None) -> dict[str, LabelledRecordings]:

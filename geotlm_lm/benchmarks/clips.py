@@ -6,10 +6,10 @@ Every set of clips is put to all variants in turn; simulated and real clips are 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from geotlm_lm.benchmarks.cases import (
     HALVES,
@@ -35,12 +35,15 @@ from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Shar
 from geotlm_lm.benchmarks.imprints import semi_real_slides
 from geotlm_lm.benchmarks.judging import NEAR, Case, Replies, Variant, ask_all, rows_of_replies
 from geotlm_lm.benchmarks.rendering import markdown, right_with_interval
-from geotlm_lm.benchmarks.variants import GENERATED, PROBE, RIVALS, all_variants
+from geotlm_lm.benchmarks.variants import GENERATED, LEANING, PROBE, RIVALS, all_variants
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.manifest import Manifest
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Answerer
 
 CLIPS = 300
 """Simulated clips of each task."""
@@ -63,6 +66,9 @@ SHOWN_FIRST = {
 """Sets of clips on the first page -> their titles there; of real ones the half that is reported."""
 
 
+VariantsOf = Callable[["Answerer", int], Mapping[str, Variant]]
+
+
 def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> list[Row]:
     """Return the rows of every set of clips.
 
@@ -81,20 +87,27 @@ def clip_rows(run: Run, halves: Sequence[Half | None] = (None,)) -> list[Row]:
 
 
 def clip_shares(
-    run: Run, halves: Sequence[Half | None], data_sets: Mapping[str, DataSet]
+    run: Run,
+    halves: Sequence[Half | None],
+    data_sets: Mapping[str, DataSet],
+    tasks: Iterable[str] = tuple(TASKS),
+    variants_of: VariantsOf = all_variants,
 ) -> dict[str, Share]:
     """Return what yields the rows of each source of clips, none of which depends on another.
 
     Sources are `run.clips` readable simulated clips of each task (0 leaves simulation out), each of
-    the `halves` of the recordings of `run.real` (None: all of them), and data sets.
+    the `halves` of the recordings of `run.real` (None: all of them), and data sets. `variants_of`
+    makes what they are put to from the model and the seed.
     """
     clips = run.size(CLIPS, 6) if run.clips is None else run.clips
     shares: dict[str, Share] = {}
-    for task in TASKS if clips else ():
-        shares[f"simulated {task}"] = partial(_simulated, run, task, clips)
+    for task in tasks if clips else ():
+        shares[f"simulated {task}"] = partial(_simulated, run, variants_of, task, clips)
     for name, real in real_recordings(run.real).items():
         for half in halves:
-            shares[titled(f"real {name}", half)] = partial(_recordings, run, name, real, half)
+            shares[titled(f"real {name}", half)] = partial(
+                _recordings, run, variants_of, name, real, half
+            )
     for name, data_set in data_sets.items():
         shares[f"data {name}"] = partial(data_set_rows, run, name, data_set)
     return shares
@@ -119,18 +132,21 @@ class Judge:
         self, title: str, replies: Replies, facts: Mapping[str, Any] | None = None
     ) -> list[Row]:
         """Return the rows of some replies."""
-        return rows_of_replies(title, replies, GENERATED, RIVALS, seed=self.run.seed, facts=facts)
+        return rows_of_replies(title, replies, LEANING, RIVALS, seed=self.run.seed, facts=facts)
 
 
-def _simulated(run: Run, task: str, clips: int) -> Iterator[Row]:
-    judge, title, left_out = Judge(run), f"simulated {task}", Counter(unreadable_left_out=0)
+def _simulated(run: Run, variants_of: VariantsOf, task: str, clips: int) -> Iterator[Row]:
+    judge = Judge(run, variants_of(run.answerer, run.seed))
+    title, left_out = f"simulated {task}", Counter(unreadable_left_out=0)
     cases = simulated_cases(task, clips, run.seed, left_out)
     yield from judge.rows(title, judge.ask(title, cases, TASKS[task], clips), left_out)
 
 
-def _recordings(run: Run, name: str, real: LabelledRecordings, half: Half | None) -> Iterator[Row]:
+def _recordings(
+    run: Run, variants_of: VariantsOf, name: str, real: LabelledRecordings, half: Half | None
+) -> Iterator[Row]:
     """Yield a folder's windows task by task, and its semi-real clips."""
-    judge = Judge(run)
+    judge = Judge(run, variants_of(run.answerer, run.seed))
     for part, whole in by_task(real).items():
         rows = rows_of_half(whole.rows, half)
         own = replace(whole, rows=rows[:: run.size(1, len(rows) or 1)])
@@ -212,23 +228,23 @@ def _claimed(row: Row) -> str:
 
 
 def clips_headline(rows: Sequence[Row]) -> str:
-    """Return six sets of clips by words, probe and both rivals, each with its interval."""
+    """Return six sets of clips by words, leaning, probe and both rivals, each with its interval."""
     by_name, lines = {(row.case, row.variant): row for row in rows}, []
     for case, title in SHOWN_FIRST.items():
         reported = titled(case, "report")
         shown = reported if (reported, GENERATED) in by_name else case
-        own = [by_name.get((shown, name)) for name in (GENERATED, PROBE, *RIVALS)]
+        own = [by_name.get((shown, name)) for name in (GENERATED, LEANING, PROBE, *RIVALS)]
         if own[0] is not None:
             cells = ["-" if row is None else _right(row) for row in own]
             lines.append([title, str(own[0].count), *cells])
-    header = ["clips", "n", "the model's words", "linear probe", "optical flow", "direct alignment"]
-    return markdown(header, lines)
+    methods = ("the model's words", "its leaning", "linear probe", "optical flow")
+    return markdown(["clips", "n", *methods, "direct alignment"], lines)
 
 
 _RIVALRY = {
     "clips": lambda row: row.case,
     "better rival": lambda row: row.detail["rival"]["name"],
-    "words less it": _against,
+    "leaning less it": _against,
     "below": lambda row: "below" * row.detail["rival"]["is_below"],
 }
 
@@ -239,17 +255,18 @@ CLIPS_SECTION = Section(
 Asked is "Which way is it turning?" or "sliding?" of sets of turns or slides, else "Which way is it
 moving?". *Words* are free: any sentence may come, and one that does not parse, or is withheld,
 counts as wrong; they say what is believed. Rows *of the task* choose among the two turns or the
-four slides only: the *language model's slots* are what it says itself; the *linear probe* reads the
+four slides only, whether or not anything is told: the *belief* by what it leans to; the *language
+model's slots* are what it says itself; the *linear probe* reads the
 fused token; *optical flow* and *direct alignment* fit a rigid motion and learn nothing. Shares of
-right answers, with 95 % intervals that resample whole objects; `*` marks words more than {NEAR:g}
-below the better of these two rivals. Simulated objects were kept from training; real clips are
-public GelSight Mini recordings that nothing was trained on, each also played backwards; semi-real
-ones move real imprints along known paths. No two kinds are pooled. Real
+right answers, with 95 % intervals that resample whole objects; `*` marks a leaning that is
+below the better of these two rivals by more than {NEAR:g} and one clip. Simulated objects were kept
+from training; real clips are public GelSight Mini recordings that nothing was trained on, each also
+played backwards; semi-real ones move real imprints along known paths. No two kinds are pooled. Real
 objects are split once: things are chosen by *tune*, and *report* is what counts.""",
     run=lambda run: clip_rows(run, HALVES),
     views=by_half(Pivot(_right))
     | {
-        "Words less the better rival, clip by clip": (
+        "The belief's leaning less the better rival, clip by clip": (
             Listing(_RIVALRY),
             lambda row: "rival" in row.detail and is_reported(row),
         ),

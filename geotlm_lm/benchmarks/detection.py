@@ -12,12 +12,13 @@ from pathlib import Path
 
 import numpy as np
 
-from geotlm_lm.benchmarks.candidates import MOVING, TOLD, Leanings, leanings
+from geotlm_lm.benchmarks.candidates import CANDIDATES, METHODS, MOVING, TOLD, Leanings, leanings
 from geotlm_lm.benchmarks.cases import HALVES, Half, by_half, titled
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
 from geotlm_lm.benchmarks.imprints import SOURCES, MovedImprint, moved_imprints
 from geotlm_lm.benchmarks.judging import clustered_interval, share_row
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 
@@ -60,6 +61,10 @@ def _rows(run: Run, folder: Path, kind: str, half: Half) -> Iterator[Row]:
         own = answered[case]
         made = moved_rows if own[0][0].component in MOVING else unmoved_rows
         yield from made(titled(case, half), own, run.seed)
+        if own[0][0].way is Motion.PRESS:
+            backwards = answered[case.replace(UNMOVED[Motion.PRESS], UNMOVED[Motion.RELEASE])]
+            case = case.replace(UNMOVED[Motion.PRESS], "claimed of a press, survives backwards")
+            yield from surviving_rows(titled(case, half), own, backwards, run.seed)
 
 
 def case_of(moved: MovedImprint) -> str:
@@ -72,18 +77,19 @@ def case_of(moved: MovedImprint) -> str:
 def moved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[Row]:
     """Yield what is told of motions of one size, and what each method leans to."""
     families, told, right = [], [], []
-    leaning: dict[str, list[bool]] = {name: [] for name in answered[0][1].ways}
+    leaning: dict[str, list[bool]] = {name: [] for name in METHODS}
     for moved, seen in answered:
         families.append(moved.family)
         told.append(seen.told(moved.component))
         right.append(told[-1] is moved.way)
         for name, own in leaning.items():
-            own.append(seen.ways[name][moved.component] is moved.way)
+            own.append(seen.leans(name, moved.component) is moved.way)
     claims = np.array([named is not None for named in told])
     detail = {
         "claimed": float(claims.mean()),
         "claimed_interval": clustered_interval(claims, families, seed=seed),
         "wrong_way": float((claims & ~np.array(right)).mean()),
+        "refused": sum(seen.belief is None for _, seen in answered),
     }
     yield share_row(case, TOLD, right, families, seed, detail=detail)
     for name, own in leaning.items():
@@ -93,9 +99,10 @@ def moved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[R
 
 def off_by(name: str, answered: Sequence[Answered]) -> dict[str, float]:
     """Return the median and 95th percentile of a candidate's path in px; none of what has none."""
-    if name not in answered[0][1].paths:
+    paths = [seen.paths[name] for _, seen in answered if name in seen.paths]
+    if not paths:
         return {}
-    turn, right, down = np.abs([seen.paths[name] for _, seen in answered]).T
+    turn, right, down = np.abs(paths).T
     slide = np.hypot(right, down)
     return {
         f"{part}_px_{rank}": float(np.quantile(values, rank / 100))
@@ -110,13 +117,28 @@ def unmoved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator
     told = {
         part: np.array([seen.told(part) is not None for _, seen in answered]) for part in MOVING
     }
-    touch = np.mean([seen.belief.contact >= 0.5 for _, seen in answered])
+    touch = np.mean(
+        [seen.belief is not None and seen.belief.contact >= 0.5 for _, seen in answered]
+    )
     detail = {str(part): float(own.mean()) for part, own in told.items()} | {"touch": float(touch)}
     silent = ~np.logical_or(*told.values())
     yield share_row(case, TOLD, silent, families, seed, detail=detail)
     # Of what grows, a path is no noise.
-    for name in answered[0][1].paths if answered[0][0].way is Motion.STILL else ():
+    for name in CANDIDATES if answered[0][0].way is Motion.STILL else ():
         yield Row(case, name, len(answered), detail=off_by(name, answered))
+
+
+def surviving_rows(
+    case: str, pressed: Sequence[Answered], backwards: Sequence[Answered], seed: int
+) -> Iterator[Row]:
+    """Yield the share of turns told of a press that are told the other way of it backwards."""
+    survives, families = [], []
+    for (moved, seen), (_, reverse) in zip(pressed, backwards, strict=True):
+        if way := seen.told(Component.TURN):
+            survives.append(reverse.told(Component.TURN) is opposite(way))
+            families.append(moved.family)
+    if survives:
+        yield share_row(case, TOLD, survives, families, seed)
 
 
 def _share(name: str) -> Callable[[Row], str]:
@@ -124,14 +146,14 @@ def _share(name: str) -> Callable[[Row], str]:
 
 
 def _is_moved(row: Row) -> bool:
-    return not any(f", {shown}, " in row.case for shown in UNMOVED.values())
+    return " by " in row.case
 
 
 _UNMOVED_COLUMNS = {
     "clips": lambda row: row.case,
     "n": lambda row: str(row.count),
     "method": lambda row: row.variant,
-    "nothing told (95 %)": right_with_interval,
+    "right (95 %)": right_with_interval,
     "a turn told": _share("turn"),
     "a slide told": _share("slide"),
     "touch told": _share("touch"),
@@ -145,28 +167,8 @@ _TOLD_COLUMNS = {
     "told the right way (95 %)": right_with_interval,
     "told at all": _share("claimed"),
     "the wrong way": _share("wrong_way"),
+    "refused": lambda row: str(row.detail["refused"]),
 }
-
-
-def _views() -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
-    views = {}
-    for title, (view, shows) in {
-        "Moved: told": (Listing(_TOLD_COLUMNS), lambda row: _is_moved(row) and row.variant == TOLD),
-        "Moved: the right way, as a forced choice": (
-            Pivot(lambda row: number(row.right)),
-            lambda row: _is_moved(row) and row.variant != TOLD,
-        ),
-        "Nothing turns or slides": (
-            Listing(_UNMOVED_COLUMNS),
-            lambda row: not _is_moved(row),
-        ),
-    }.items():
-        for half, (_, is_own) in by_half(view).items():
-            views[f"{title}. {half}".removesuffix(". ")] = (
-                view,
-                lambda row, shows=shows, is_own=is_own: shows(row) and is_own(row),
-            )
-    return views
 
 
 DETECTION = Section(
@@ -178,10 +180,19 @@ moved by a known path (pixels of a 224-pixel image, 0.08 mm on a GelSight Mini; 
 contact's radius), held still, pressed in and let go, or left out. *Told* is what is decided: a
 component moves and goes this way. The others are forced to choose a way, whether or not anything is
 told: the belief by its leaning, each single measurement, and both rivals. Of clips in which nothing
-turns or slides, nothing may be told; beside it the path that a measurement stays below in 95 of 100
+turns or slides, nothing may be told, and a turn told of a press has to be told the other way of the
+same played backwards; beside it the path that a measurement stays below in 95 of 100
 of them. *physiclear* and *calibration* are unmarked gels, *gelslim4* and *letac* have dots; a
 calibration has one idle picture, with fresh noise.""",
     run=lambda run: (row for share in detection_shares(run).values() for row in share()),
-    views=_views(),
+    views=by_half(
+        Listing(_TOLD_COLUMNS), "Moved: told", lambda row: _is_moved(row) and row.variant == TOLD
+    )
+    | by_half(
+        Pivot(lambda row: number(row.right)),
+        "Moved: the right way, as a forced choice",
+        lambda row: _is_moved(row) and row.variant != TOLD,
+    )
+    | by_half(Listing(_UNMOVED_COLUMNS), "Nothing turns or slides", lambda row: not _is_moved(row)),
     shares=detection_shares,
 )

@@ -2,8 +2,8 @@
 
 An imprint is a touched frame's change against the mean idle gel. Carried, it lies over the idle
 frames of its own recording in turn, with their noise, codec and flicker; it lacks the change of
-lighting from place to place and the gel's creep. On a gel with dots, the change of the dots is
-carried too, while the idle dots stay.
+lighting from place to place and the gel's creep, and the touched frame's own noise goes along. On
+a gel with dots, the change of the dots is carried too, while the idle dots stay.
 """
 
 from __future__ import annotations
@@ -63,6 +63,9 @@ SETTLED_FRAMES = 7
 
 BEFORE_LABEL = 4
 """Frames before a labelled touch that are left out."""
+
+GRIPS, RELEASES = Path("marked", "gelslim4"), Path("marked", "letac_release")
+"""Folders of gels with dots: of grips that close, and of closed ones that open."""
 
 TOWARDS = {Motion.LEFT: (-1, 0), Motion.RIGHT: (1, 0), Motion.UP: (0, -1), Motion.DOWN: (0, 1)}
 
@@ -277,12 +280,12 @@ def _of_table(name: str, folder: Path, half: Half) -> Iterator[Imprint]:
 def _of_pictures(folder: Path, half: Half) -> Iterator[Imprint]:
     """Yield imprints of single pictures with one idle picture beside them."""
     for own in sorted(path.parent for path in folder.glob("calibration/*/background.png")):
-        idle = _picture(own / "background.png")
+        idle = picture(own / "background.png").astype(np.float32)
         for path in sorted(own.glob("*.png")):
             family = path.stem.split("_")[0]
             if path.stem == "background" or half_of(family) != half:
                 continue
-            change = _picture(path) - idle
+            change = picture(path) - idle
             if is_whole(change):
                 about = ("calibration", path.stem, family)
                 yield Imprint(change, idle[None], *about, is_round=own.name == "ball_press")
@@ -290,7 +293,7 @@ def _of_pictures(folder: Path, half: Half) -> Iterator[Imprint]:
 
 def _of_grips(folder: Path, half: Half) -> Iterator[Imprint]:
     """Yield imprints of a gel with dots that begin untouched, of low resolution and much noise."""
-    own = folder / "marked" / "gelslim4"
+    own = folder / GRIPS
     for row in table_rows(own / "labels.csv"):
         family = row["clip"].rpartition("_")[0]
         if half_of(family) == half:
@@ -305,7 +308,7 @@ def _of_releases(folder: Path, half: Half) -> Iterator[Imprint]:
 
     Those are one sensor's, a few hours apart: their means differ by less than their noise.
     """
-    own = folder / "marked" / "letac_release"
+    own = folder / RELEASES
     names = [row["name"] for row in table_rows(own / "labels.csv")]
     empty = [name for name in names if name.startswith("empty")]
     for index, name in enumerate(name for name in names if name not in empty):
@@ -383,5 +386,6 @@ def as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
     return np.clip(np.rint(values), 0, 255).astype(np.uint8)
 
 
-def _picture(path: Path) -> Floats:
-    return cv2.imread(str(path))[..., ::-1].astype(np.float32)
+def picture(path: Path) -> NDArray[np.uint8]:
+    """Return an image file as RGB."""
+    return np.ascontiguousarray(cv2.imread(str(path))[..., ::-1])

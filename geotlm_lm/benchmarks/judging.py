@@ -27,7 +27,8 @@ NORMAL_95 = 1.959963984540054
 """97.5 % quantile of the normal distribution."""
 
 NEAR = 0.005
-"""Share of right answers up to which words are not below a rival."""
+"""Share of right answers up to which what is held against a rival is not below it; at least the
+share of one clip."""
 
 CLAIMED = (Component.TURN, Component.SLIDE)
 """Components with a direction in the image plane: where there is none, none may be claimed."""
@@ -58,11 +59,17 @@ class Reply:
     motion: Motion | None
     milliseconds: float
     claims: tuple[Motion, ...] | None = None
+    weights: Mapping[str, float] = field(default_factory=dict)  # of what it was fused from
 
     def claims_a(self, component: Component) -> bool:
         """Whether it says that a component moves."""
         ways = (self.motion,) if self.claims is None else self.claims
         return any(COMPONENT_OF.get(way) is component for way in ways)
+
+    def is_wrong_way(self, truth: Motion) -> bool:
+        """Whether it names the component that moves, and another way of it."""
+        component = COMPONENT_OF.get(truth)
+        return COMPONENT_OF.get(self.motion, "") is component and self.motion != truth
 
 
 Variant = Callable[[Clip, tuple[Motion, ...]], Reply]
@@ -120,29 +127,37 @@ def ask_all(
 def rows_of_replies(
     title: str,
     replies: Replies,
-    words: str = "",
+    held: str = "",
     rivals: Sequence[str] = (),
     *,
     seed: int = 0,
     facts: Mapping[str, Any] | None = None,
 ) -> list[Row]:
-    """Return one row per variant: its error, its times, and how words compare with their rivals.
+    """Return one row per variant: its error, its times, and how one compares with its rivals.
 
-    `words` is held against the better of its `rivals`; `facts` about the cases go into the first
+    `held` is held against the better of its `rivals`; `facts` about the cases go into the first
     row's detail. Without a case there is no row.
     """
     rows, families = [], [case.family for case in replies.cases]
     for name in replies.replies if replies.cases else ():
         right, detail = replies.right(name), _detail(replies, name) | dict(facts or {})
         others = {rival: replies.right(rival) for rival in rivals if rival in replies.replies}
-        if name == words and others:
+        if name == held and others:
             better = max(others, key=lambda rival: others[rival].mean())
             gain = paired_difference(right, others[better], families, seed=seed)
-            detail["rival"] = {"name": better, "is_below": gain["difference"] < -NEAR} | gain
+            detail["rival"] = {
+                "name": better,
+                "is_below": is_below(gain["difference"], len(right)),
+            } | gain
         ms = milliseconds([reply.milliseconds for reply in replies.replies[name]])
         rows.append(share_row(title, name, right, families, seed, detail=detail, **ms))
         facts = None
     return rows
+
+
+def is_below(difference: float, count: int) -> bool:
+    """Tell whether a share of so many clips lies below another by more than is near."""
+    return difference < -max(NEAR, 1 / count) - 1e-9
 
 
 def _detail(replies: Replies, name: str) -> dict[str, Any]:
@@ -153,7 +168,11 @@ def _detail(replies: Replies, name: str) -> dict[str, Any]:
         "macro_by_object": float(np.mean(list(by_object.values()))),
         "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
         "unanswered": sum(reply.motion is None for reply in own),
+        "wrong_way": sum(map(Reply.is_wrong_way, own, truths)) / len(own),
     }
+    if own[0].weights:
+        names = own[0].weights
+        detail["weights"] = {n: float(np.mean([r.weights[n] for r in own])) for n in names}
     undirected = [r for truth, r in zip(truths, own, strict=True) if truth not in DIRECTED]
     if undirected:
         detail["claims"] = {

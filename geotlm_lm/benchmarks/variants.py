@@ -40,6 +40,8 @@ GLOBAL_PROBE = "linear probe without DGR, of the task"
 words say is decided by the belief; what the language model says itself stands at its slots."""
 
 BELIEF = "belief"
+LEANING = "belief, of the task"
+"""What it leans to among the task's motions, where nothing is told as well."""
 
 FITS: dict[str, RigidFlow | RigidAlignment] = {
     "optical flow": RigidFlow(),
@@ -48,7 +50,7 @@ FITS: dict[str, RigidFlow | RigidAlignment] = {
 """Classical rivals that fit a rigid motion to a clip and learn nothing."""
 
 RIVALS = FLOW, ALIGNMENT = tuple(f"{name}, of the task" for name in FITS)
-"""What words may not be worse than."""
+"""What the belief's leaning may not be worse than."""
 
 QUESTION = "Which way is it moving?"
 """Asked where any of the ten motions may come."""
@@ -69,27 +71,35 @@ def all_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     perceive, model = lru_cache(maxsize=1)(answerer.encode), answerer.bundle.model
     probe, plain = model.probe, model.global_probe
 
-    def words(question: Callable[[tuple[Motion, ...]], str]) -> Read:
-        def ask(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
-            answer = answerer.ask(encoded, question(among))
-            return answer.in_the_image, ways_claimed(answer)
-
-        return ask
-
     def slots(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
         belief = belief_of_slots(answerer.bundle, encoded)
         ways = (belief.way(part) for part in belief.by_size() if part is not Component.PRESS)
         return max(among, key=shares_of(belief).__getitem__), tuple(ways)
 
     reads = {
-        GENERATED: words(question_for),
-        GENERATED_UNSEEN: words(unseen_wordings(seed)),
+        GENERATED: words_of(answerer, question_for),
+        GENERATED_UNSEEN: words_of(answerer, unseen_wordings(seed)),
+        LEANING: lambda seen, among: leaning_of(seen.belief, among),
         SLOTS_OWN: slots,
         PROBE: lambda seen, among: probe.predict(seen.perception.fused_token, among)[0],
         GLOBAL_PROBE: lambda seen, among: plain.predict(seen.perception.global_token, among)[0],
     }
-    rivals = {FLOW: rival(RigidFlow().predict), ALIGNMENT: rival(RigidAlignment().predict)}
-    return {name: after_perceiving(perceive, read) for name, read in reads.items()} | rivals
+    return {name: after_perceiving(perceive, read) for name, read in reads.items()} | rivals()
+
+
+def words_of(answerer: Answerer, question: Callable[[tuple[Motion, ...]], str]) -> Read:
+    """Return what asks a question about motions of a task, and reads the answer."""
+
+    def ask(encoded: Encoded, among: tuple[Motion, ...]) -> NamedWays:
+        answer = answerer.ask(encoded, question(among))
+        return answer.in_the_image, ways_claimed(answer)
+
+    return ask
+
+
+def rivals() -> dict[str, Variant]:
+    """Return the two classical rivals by name."""
+    return dict(zip(RIVALS, (rival(fit.predict) for fit in FITS.values()), strict=True))
 
 
 def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
@@ -135,6 +145,20 @@ def shares_of(belief: Belief) -> dict[Motion, float]:
     for component in WAYS:
         still *= max(1 - belief.moves(component) / max(touching, 1e-9), 0.0)
     return {**belief.ways, Motion.STILL: still, Motion.NONE: 1 - touching}
+
+
+def leaning_of(belief: Belief, among: Sequence[Motion]) -> Motion:
+    """Return the likeliest of some motions; where probability tells none, by the mean's sign."""
+    shares, mean = shares_of(belief), belief.mean
+    speaks_for = ways_of(mean.turn_deg, mean.right_px, mean.down_px).values()
+    return max(among, key=lambda way: (shares[way], way in speaks_for))
+
+
+def ways_of(turn: float, right: float, down: float) -> dict[Component, Motion]:
+    """Return the ways that a turn and a travel speak for, however short they are."""
+    axes = (right, Motion.RIGHT), (-right, Motion.LEFT), (down, Motion.DOWN), (-down, Motion.UP)
+    sense = Motion.CLOCKWISE if turn > 0 else Motion.COUNTERCLOCKWISE
+    return {Component.TURN: sense, Component.SLIDE: max(axes)[1]}
 
 
 def question_for(among: Sequence[Motion]) -> str:

@@ -19,6 +19,7 @@ from geotlm_lm.benchmarks.amounts import (
     mixture_rows,
     words_prediction,
 )
+from geotlm_lm.benchmarks.candidates import CANDIDATES
 from geotlm_lm.benchmarks.cases import half_of
 from geotlm_lm.benchmarks.harness import Row, Run
 from geotlm_lm.benchmarks.rendering import tables
@@ -30,7 +31,6 @@ from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.data.labelled_recordings import WindowRow
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import Measure
-from tests.benchmarks.fakes import FakeAnswerer
 from tests.probe.imprints import moved_clip, textured_imprint
 
 
@@ -115,8 +115,8 @@ def test_every_method_is_told_of_every_source_and_half(folder, tiny_answerer):
     assert cases[:2] == ["simulated rotation", "simulated sliding"]
     half = half_of("a")
     assert cases[2:] == [f"real {folder.name}, {task}, {half}" for task in ("rotation", "sliding")]
-    assert [one.variant for one in rows] == [BELIEF, *FITS] * 4
-    assert {one.count for one in rows[6:]} == {2}  # one turn, one slide, both played backwards too
+    assert [one.variant for one in rows] == [BELIEF, *CANDIDATES, *FITS] * 4
+    assert {one.count for one in rows[16:]} == {2}  # one turn, one slide, both played backwards too
     assert sum(one.count("\n") - 1 for one in tables(AMOUNTS, rows) if one[0] == "|") == len(rows)
 
 
@@ -197,7 +197,7 @@ def test_words_are_asked_of_each_component_and_name_its_way_or_deny_it():
     }
 
 
-def test_mixtures_of_the_simulator_are_graded_by_every_method():
-    rows = mixture_rows(Run(is_quick=True, answerer_given=FakeAnswerer()))
-    assert {row.variant for row in rows} == {BELIEF, "words", *RIVALS}
+def test_mixtures_of_the_simulator_are_graded_by_every_method(tiny_answerer):
+    rows = mixture_rows(Run(is_quick=True, answerer_given=tiny_answerer))
+    assert {row.variant for row in rows} == {BELIEF, "words", *CANDIDATES, *RIVALS}
     assert all("simulated mixtures, " in row.case and 0 < row.count <= 6 for row in rows)

@@ -49,7 +49,7 @@ def test_real_recordings_are_judged_both_ways_and_both_cuts(folder):
     }
     first = found[f"real {name}, four frames"]
     assert left_out(next(iter(first.values()))) == "1 labelled up-left"
-    assert first[variants.GENERATED].detail["rival"]["name"] in variants.RIVALS
+    assert first[variants.LEANING].detail["rival"]["name"] in variants.RIVALS
 
 
 def test_halves_are_judged_apart_and_never_in_one_row(folder):

@@ -41,8 +41,8 @@ CASES = [case(CW, "cap"), case(CCW, "cap"), case(CW, "key"), case(CW, "key")]
 VARIANTS = {"oracle": oracle, "first": always_first, "silent": silent}
 
 
-def rows(variants=VARIANTS, cases=CASES, among=ROTATIONS, words="", rivals=()):
-    found = rows_of_replies("here", ask_all(variants, cases, among), words, rivals)
+def rows(variants=VARIANTS, cases=CASES, among=ROTATIONS, held="", rivals=()):
+    found = rows_of_replies("here", ask_all(variants, cases, among), held, rivals)
     return {row.variant: row for row in found}
 
 
@@ -57,15 +57,17 @@ def test_every_variant_is_scored_on_the_same_clips():
     assert found["silent"].detail["unanswered"] == 4
     assert found["first"].detail["recall"] == {"clockwise": 1.0, "counterclockwise": 0.0}
     assert found["first"].detail["macro_by_object"] == 0.75
+    assert [found[name].detail["wrong_way"] for name in VARIANTS] == [0.0, 0.25, 0.0]
     assert rows(cases=[]) == {}
 
 
-def test_words_are_held_against_the_better_rival():
-    found = rows(words="first", rivals=("silent", "oracle"))
+def test_a_method_is_held_against_the_better_rival():
+    found = rows(cases=2 * CASES, held="first", rivals=("silent", "oracle"))
     told = found["first"].detail["rival"]
     assert (told["name"], told["difference"], told["is_below"]) == ("oracle", -0.25, True)
     assert "rival" not in found["oracle"].detail
-    assert not rows(words="oracle", rivals=("first",))["oracle"].detail["rival"]["is_below"]
+    assert not rows(held="oracle", rivals=("first",))["oracle"].detail["rival"]["is_below"]
+    assert not rows(held="first", rivals=("oracle",))["first"].detail["rival"]["is_below"]  # by one
 
 
 def test_resampling_keeps_families_together():
