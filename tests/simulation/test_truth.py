@@ -82,8 +82,8 @@ def test_a_label_says_what_each_component_does_and_what_counts_of_it():
     assert ways == [Motion.COUNTERCLOCKWISE, Motion.DOWN, Motion.PRESS]
 
 
-def test_what_moves_the_imprint_by_less_than_noise_does_not_count():
-    label = MotionLabel(Motion.STILL, rotation_deg=2.0, travel_px=(0.5, 0.0), radius_px=10.0)
+def test_what_moves_the_imprint_by_less_than_noise_is_at_rest():
+    label = MotionLabel(Motion.STILL, rotation_deg=0.1, travel_px=(0.1, 0.0), radius_px=10.0)
     counting = {name: part.moves for name, part in components_of(label).items()}
     assert counting == {Component.TURN: False, Component.SLIDE: None, Component.PRESS: False}
     with pytest.raises(ValueError, match="tells no twist"):

@@ -1,4 +1,4 @@
-"""What counts and is asked, around the thresholds of `core.twist`; losses worked out by hand."""
+"""What moves and is asked, around the thresholds of `core.twist`; losses worked out by hand."""
 
 import math
 from dataclasses import replace
@@ -8,11 +8,11 @@ import torch
 
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import (
+    AT_REST_MM,
+    AT_REST_PX,
     COMPONENTS,
-    COUNTING_MM,
-    COUNTING_PX,
-    STILL_MM,
-    STILL_PX,
+    MOVING_MM,
+    MOVING_PX,
     Component,
     Twist,
 )
@@ -42,12 +42,11 @@ def moving(component, path, visible_grey=(9.0, 9.0, 9.0)):
 
 
 @pytest.mark.parametrize("component", COMPONENTS)
-def test_between_still_and_counting_nothing_is_asked(component):
-    still, counting = {Component.PRESS: (STILL_MM, COUNTING_MM)}.get(
-        component, (STILL_PX, COUNTING_PX)
-    )
-    bands = [(0.9 * still, False), (1.1 * still, None), (0.9 * counting, None)]
-    for path, expected in (*bands, (1.1 * counting, True), (9 * counting, True)):
+def test_what_hardly_moves_is_not_graded(component):
+    is_press = component is Component.PRESS
+    rest, moving_from = (AT_REST_MM, MOVING_MM) if is_press else (AT_REST_PX, MOVING_PX)
+    bands = [(0.9 * rest, False), (1.1 * rest, None), (0.9 * moving_from, None)]
+    for path, expected in (*bands, (1.1 * moving_from, True), (9 * moving_from, True)):
         truth = component_truth(moving(component, path))
         assert truth.moves[component] is expected
         assert all(truth.moves[one] is False for one in COMPONENTS if one is not component)
@@ -55,16 +54,22 @@ def test_between_still_and_counting_nothing_is_asked(component):
 
 
 @pytest.mark.parametrize("component", COMPONENTS)
-def test_what_counts_but_cannot_be_seen_is_not_asked_and_what_does_not_count_still_is(component):
-    dim = tuple(0.9 * READABLE_GREY if one is component else 9.0 for one in COMPONENTS)
-    for path, counts in ((3 * COUNTING_PX, None), (0.0, False)):
+def test_what_moves_unseen_is_not_asked_and_what_rests_still_is(component):
+    dim = tuple(0.9 * READABLE_GREY if each is component else 9.0 for each in COMPONENTS)
+    for path, expected in ((3.0, None), (0.0, False)):
         truth = component_truth(moving(component, path, dim))
-        assert truth.moves[component] is counts
-        assert not truth.is_readable[component]
-        assert all(truth.is_readable[one] for one in COMPONENTS if one is not component)
+        assert truth.moves[component] is expected
+        assert truth.is_readable[component] is (expected is False)
+        assert all(truth.is_readable[each] for each in COMPONENTS if each is not component)
 
 
-def test_an_untouched_gel_counts_nothing():
+def test_what_moves_barely_is_readable_where_it_would_be_if_it_went_a_pixel():
+    for grey, expected in ((1.1, True), (0.9, False)):
+        label = moving(Component.SLIDE, 0.5, (0.0, grey, 0.0))
+        assert component_truth(label).is_readable[Component.SLIDE] is expected
+
+
+def test_nothing_moves_on_an_untouched_gel():
     turning = moving(Component.TURN, 5.0)
     none = replace(turning, motion=Motion.NONE)
     for label in (none, replace(turning, contact_fraction=(0.0,) * 4)):
