@@ -240,21 +240,30 @@ def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
 def _row(belief: Any, component: Any, units: Units) -> dict[str, Any]:
     from geotlm_lm import LEAST_SURE
 
-    counts = belief.moves(component)
-    row = {"name": component.value, "counts": counts >= LEAST_SURE}
+    moves = belief.moves(component)
+    row = {"name": component.value, "moves": moves >= LEAST_SURE}
+    unit, factor = _unit_of(belief, component, units)
     if not belief.readable.get(component, True):
-        return row | {"counts": False, "text": "cannot be told from these pictures"}
-    if not row["counts"]:
-        return row | {"text": f"none, {100 * (1 - counts):.0f} % sure"}
+        return row | {"moves": False, "text": "cannot be told from these pictures"}
+    if not row["moves"]:
+        unseen = _unseen(belief, component, unit, factor)
+        return row | {"text": f"{unseen}{100 * (1 - moves):.0f} % sure"}
     way = belief.way(component)
     share = belief.share(way, component)
     if share < LEAST_SURE:
         return row | {"text": "yes, but not which way"}
-    unit, factor = _unit_of(belief, component, units)
     mean = factor * belief.amount(component)
     spread = factor * SPAN_DEVIATIONS * belief.deviation(component)
     far = _far(mean, mean - spread, mean + spread, unit)
-    return row | {"text": f"{way.value} {far}, {100 * counts * share:.0f} % sure"}
+    return row | {"text": f"{way.value} {far}, {100 * moves * share:.0f} % sure"}
+
+
+def _unseen(belief: Any, component: Any, unit: str, factor: float) -> str:
+    """Return that a component is not seen to move, and up to which amount that is so."""
+    if component not in belief.limits:
+        return "none, "
+    limit = factor * belief.at_limit.amount(component)
+    return f"none beyond {limit:.2g}{'' if unit == DEGREE else ' '}{unit}, "
 
 
 def _unit_of(belief: Any, component: Any, units: Units) -> tuple[str, float]:

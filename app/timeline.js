@@ -151,7 +151,7 @@ class Timeline {
     if (step.told) this.text(LEFT, 24, step.told, "quiet");
     step.rows.forEach((row, k) => {
       const y = 4 + k * 26, far = this.width - RIGHT - LEFT;
-      const group = svg("g", { class: `event ${row.name} ${row.counts ? "" : "absent"}` });
+      const group = svg("g", { class: `event ${row.name} ${row.moves ? "" : "absent"}` });
       group.append(svg("rect", { x: LEFT, y, width: far, height: 21, rx: 4 }));
       group.append(svg("text", { x: LEFT + 8, y: y + 15 }, row.text));
       this.root.append(group);

@@ -9,6 +9,7 @@ and far from what it has seen, it is left out.
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -90,6 +91,15 @@ _OUTPUTS = {
 }
 
 
+_NAMES_OF = {
+    "gate": ("turn_gate", "slide_gate"),
+    "gains": ("gains",),
+    "carried": ("carried",),
+    "deviations": ("relative", "leaking", "growing"),
+}
+"""Outputs of each part that can be left out: at 0 they change nothing."""
+
+
 @dataclass(frozen=True, eq=False)
 class Beliefs:
     """What is believed of b clips."""
@@ -111,6 +121,11 @@ class Beliefs:
         """Return those of some clips."""
         kept = {name: value[rows] for name, value in vars(self).items() if name != "least"}
         return Beliefs(**kept, least=self.least)
+
+    @property
+    def weights(self) -> Tensor:
+        """Mean weight of each candidate in turn and slide, (b, CANDIDATES)."""
+        return (self.turn_weights + self.slide_weights) / 2
 
     @property
     def lengths(self) -> Tensor:
@@ -229,6 +244,9 @@ class MotionNetwork(nn.Module):
     Its deviations are widened so that spans hold nine in ten on objects that it has not seen.
     """
 
+    PARTS = tuple(_NAMES_OF)
+    """What is learned of a turn and a slide, each of which can be left out."""
+
     def __init__(self, hints: int) -> None:
         super().__init__()
         self.register_buffer("mean", torch.zeros(hints))
@@ -248,6 +266,13 @@ class MotionNetwork(nn.Module):
         self.out = nn.Linear(HIDDEN, sum(_OUTPUTS.values()))
         nn.init.zeros_(self.out.weight)
         nn.init.zeros_(self.out.bias)
+        self.left_out = ""
+
+    def without(self, part: str) -> MotionNetwork:
+        """Return this network with one of `PARTS` as before training."""
+        other = copy(self)
+        other.left_out = part
+        return other
 
     @torch.no_grad()
     def see(self, hints: Tensor) -> None:
@@ -277,6 +302,8 @@ class MotionNetwork(nn.Module):
         outputs = self.out(self.layers(self._standard(measured.hints)))
         trust = self.familiar(measured.hints)[:, None]
         own = dict(zip(_OUTPUTS, outputs.split(list(_OUTPUTS.values()), dim=1), strict=True))
+        for name in _NAMES_OF.get(self.left_out, ()):
+            own[name] = torch.zeros_like(own[name])
         white = measured.white.clamp(min=1e-4)
         factors = torch.tensor([TURN_NOISE, SLIDE_NOISE, SLIDE_NOISE], device=white.device).T
         noise = torch.hypot(factors * white, torch.tensor(LEAST_NOISE_PX))

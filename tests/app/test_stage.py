@@ -98,7 +98,7 @@ def test_a_short_clips_motion_is_one_step_with_its_amount():
     rows = {row["name"]: row for row in stage.stage_of(shown, "cap")["step"]["rows"]}
     assert rows["slide"]["text"].startswith("right ")
     assert " px (" in rows["slide"]["text"]
-    assert rows["turn"] == {"name": "turn", "counts": False, "text": "none, 100 % sure"}
+    assert rows["turn"] == {"name": "turn", "moves": False, "text": "none, 100 % sure"}
     in_mm = stage.stage_of(shown, "cap", FrameSpec(mm_per_px=0.1))["step"]["rows"][1]
     assert " mm (" in in_mm["text"]
 

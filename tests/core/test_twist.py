@@ -23,9 +23,7 @@ BANDS = {
 
 @pytest.mark.parametrize("component", COMPONENTS)
 @given(path=st.floats(0, 5))
-def test_what_is_at_rest_does_not_move_and_what_hardly_does_is_not_graded(
-    component, path
-):
+def test_what_is_at_rest_does_not_move_and_what_hardly_does_is_not_graded(component, path):
     low, high = BANDS[component]
     expected = False if path <= low else True if path >= high else None
     assert moves(component, path) is expected
