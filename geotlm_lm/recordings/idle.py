@@ -34,6 +34,12 @@ adds to it: 0; a lifted object takes its imprint away: 1; a moved one takes it a
 Measured on 111 real recordings: idle found in 78 %, in 3 % of their in-contact parts by mistake."""
 
 
+CONTACT_UNKNOWN = (
+    "Whether anything touches the gel is not known without an idle frame: begin a recording before "
+    "the touch, or give one as its background."
+)
+
+
 def estimate_background(frames: Frames) -> Frames:
     """Guess the idle gel, (rows, columns, 3), from frames that may all be in contact.
 
@@ -99,7 +105,7 @@ def is_marked(grey: NDArray[np.float32]) -> bool:
 
 
 DOT_PX = 7
-"""Pixels of the activity image (80 columns) that a dot is smaller than: 28 of a picture 320 wide."""
+"""Pixels of the activity image (80 columns) that a dot is smaller than: 28 of a frame of 320."""
 
 MARKED_GREY = 12.0
 """Grey levels from which fields have dots. Of 711 windows of 237 real recordings of unmarked gels,
