@@ -128,8 +128,8 @@ def _plain_idle(grey: NDArray[np.float32]) -> NDArray[np.int64]:
         if count:
             return numbers[order][:count]
     quietest = int(np.square(_structure(grey)).sum(axis=(1, 2)).argmin())
-    rest, is_touched, gap = _rest_around(grey, quietest)
-    if len(rest) < REST_FRAMES or gap < CLEAR_CHANGE:
+    rest, is_touched, apart = _rest_around(grey, quietest)
+    if len(rest) < REST_FRAMES or apart < CLEAR_CHANGE:
         return numbers[:0]
     lost = lost_share(np.median(grey[rest], axis=0), grey[is_touched])
     return rest if np.median(lost) < LOST_SHARE else numbers[:0]
@@ -142,9 +142,9 @@ def _marked_idle(frames: Frames) -> NDArray[np.int64]:
     quietest = int(np.square(looks).sum(axis=(1, 2, 3)).argmin())
     flat = looks.reshape(*looks.shape[:2], -1)
     for place in (0, len(looks) - 1, quietest):
-        rest, is_touched, gap = _rest_around(flat, place)
+        rest, is_touched, apart = _rest_around(flat, place)
         least = LEADING_FRAMES if place == 0 else REST_FRAMES
-        if len(rest) < least or gap < CLEAR_TEXTURE:
+        if len(rest) < least or apart < CLEAR_TEXTURE:
             continue
         if texture_lost(pictures[rest], pictures[is_touched]) < MARKED_LOST:
             return rest
@@ -154,13 +154,15 @@ def _marked_idle(frames: Frames) -> NDArray[np.int64]:
 def _rest_around(
     images: NDArray[np.float32], place: int
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_], float]:
-    """Return the frames around one that look like it, those that differ most, and their gap."""
+    """Return the frames around one that look like it, those that differ most, and by how much.
+
+    That is in grey levels (rms), without the noise of single frames.
+    """
     around = slice(max(place - 2, 0), place + 3)
     for _ in range(2):
         # The second round compares with the middle of the rest, as `_leading_idle` does.
         change = _rms_from(np.median(images[around], axis=0), images)
-        threshold, gap = split_in_two(change)
-        is_touched = change > threshold
+        is_touched = change > split_in_two(change)[0]
         if is_touched[place] or not is_touched.any():
             return np.arange(0), is_touched, 0.0
         low, high = np.quantile(change[~is_touched], 0.25), np.median(change[is_touched])
@@ -168,7 +170,9 @@ def _rest_around(
         first = int(away[away < place].max(initial=-1)) + 1
         end = int(away[away > place].min(initial=len(images)))
         around = slice(first + (end - first) // 4, end - (end - first) // 4)
-    return np.arange(first, end), change >= high, gap
+    rest = np.arange(first, end)
+    apart = np.sqrt(max(high**2 - np.median(change[rest]) ** 2, 0.0))
+    return rest, change >= high, float(apart)
 
 
 REST_SHARE = 0.5
@@ -181,9 +185,9 @@ REST_FRAMES = 18
 """Frames of a rest at the end of a recording or in its middle: a grip that opens a little and keeps
 its object looks as if it had let go, for 16 frames at most in 61 real recordings of marked gels."""
 
-CLEAR_TEXTURE = 0.6
-"""Gap between touched and idle frames' `texture`, grey levels (rms). Five real recordings of noisy
-marked gels have 0.7 to 1.4, twelve of clear ones 0.6 to 2.9."""
+CLEAR_TEXTURE = 0.9
+"""Change between touched and idle frames' `texture`, grey levels (rms). Six real recordings of
+noisy gels with dots have 2.2 to 3.1, twelve of clear ones 1.2 to 3.4."""
 
 MARKED_LOST = 0.325
 """As of `LOST_SHARE`, by `texture_lost`. Of 17 real recordings of marked gels that begin untouched

@@ -77,6 +77,9 @@ frames of the touch in five."""
 NOISE_FRAMES = 5
 """Steps whose median tells the noise; the least one so far counts, as of a gel at rest."""
 
+MOST_NOISE = 1.5
+"""Of a camera that shows a gel: the noisiest of these has 0.8."""
+
 FIRST_NOISE = 0.6
 """Share of the finest noise in a picture that is as wide as an imprint, where no step is known."""
 
@@ -277,7 +280,7 @@ class IdleTracker:
             return False
         small = np.stack([image for _, image in list(self._recent)[-count:]])
         middle = np.median(small, axis=0)
-        most = max(FAINT_IMPRINT, AGREEING * (self._noise or 0.0))
+        most = max(FAINT_IMPRINT, AGREEING * min(self._noise or 0.0, MOST_NOISE))
         return max(self._imprint(image, middle) for image in small) < most
 
     def _was_lifted(self) -> bool:
