@@ -190,8 +190,10 @@ CLEAR_TEXTURE = 0.9
 noisy gels with dots have 2.2 to 3.1, twelve of clear ones 1.2 to 3.4."""
 
 MARKED_LOST = 0.325
-"""As of `LOST_SHARE`, by `texture_lost`. Of 17 real recordings of marked gels that begin untouched
-16 have 0.3 or less (one 0.6: its pad moves as a whole), 78 that do not 0.34 or more."""
+"""As of `LOST_SHARE`, by `texture_lost`. Twelve real recordings of clear gels with dots that begin
+untouched have 0.1 or less, five of six noisy ones 0.11 to 0.32 (one 0.5: its pad moves as a whole).
+Of those that do not, grips that open have 0.7 or more and most held objects 0.33 or more; three
+that hardly show at all have 0.24 to 0.32, and are taken for idle."""
 
 TEXTURE_SIGMAS, TEXTURE_GREY = (1.0, 4.0), 8.0
 """Pixels of the activity image between which texture is, and the grey levels it is cut to: the rim
