@@ -248,7 +248,7 @@ class Totals(TypedDict):
 
     frames: int
     seconds: float
-    touched_s: float
+    touched_s: float | None  # none where contact is not known
     turn_net: Measured
     turn_in_all: Measured
     turned_back: int

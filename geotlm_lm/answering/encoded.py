@@ -44,6 +44,9 @@ class Encoded:
         is_cut_off: Whether the border of the image cuts through the imprint; likewise.
         is_static: Whether the background is a guess and no frame differs from the first by more
             than an untouched gel may: a touch held still and no touch then look alike.
+        is_contact_known: Whether the idle gel is known, or the gel is plain enough to be guessed:
+            against a guess that lacks the gel's dots nothing tells a touch from none, nor a press
+            from a release.
         track: The track of the recording, or of the span of it that is asked about; None where four
             frames are all there is. The clip then holds the four that show its motion best.
         recording: What was tracked, whole.
@@ -58,6 +61,7 @@ class Encoded:
     is_faint: bool = False
     is_cut_off: bool = False
     is_static: bool = False
+    is_contact_known: bool = True
     track: Track | None = None
     recording: Clip | None = None
     believe: Callable[[Encoded], Belief] | None = None

@@ -13,14 +13,15 @@ from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.recordings.idle import find_idle
+from geotlm_lm.recordings.idle import activity_grey, find_idle, is_marked
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.block import believer
 from geotlm_lm.track.track import Track, belief_of_track, window_of
-from geotlm_lm.track.tracker import Tracker, track_of
+from geotlm_lm.track.tracker import Tracker, gel_of, track_of
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 
@@ -45,6 +46,7 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
     faint = is_idle_known and change.is_faint
     cut_off = seen and not faint and change.is_cut_off
     static = not is_idle_known and is_static(clip)
+    is_contact_known = is_idle_known or not is_marked(activity_grey(clip.frames))
     judged = time.perf_counter()
     if untouched:
         clip = clip.with_note(_nothing_seen(change.grey))
@@ -67,7 +69,8 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
         is_faint=faint,
         is_cut_off=cut_off,
         is_static=static,
-        believe=partial(belief_of, bundle),
+        is_contact_known=is_contact_known,
+        believe=partial(_belief_of_clip, bundle),
     )
 
 
@@ -78,10 +81,11 @@ def track_recording(bundle: Bundle, clip: Clip, progress: Progress = silent) -> 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
     """Return what follows frames one by one, and knows the idle gel of a recording."""
-    return Tracker(
-        believer(bundle.model, bundle.motion),
-        idle=None if clip is None else with_idle(clip).background,
-    )
+    idle, is_known = (None, True) if clip is None else (clip.background, True)
+    if clip is not None and idle is None:
+        idle, is_known = gel_of(clip)
+    believe = believer(bundle.model, bundle.motion)
+    return Tracker(believe, idle=idle, is_contact_known=is_known)
 
 
 def perceive_recording(
@@ -107,6 +111,9 @@ def perceive_recording(
     window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()))
     used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
     window = replace(window, clip=window.clip.with_note(used))
+    if not part.is_contact_known:
+        # What was compared with is a guess, or not there.
+        window = replace(window, is_contact_known=False, is_changed=False, is_faint=False)
     timing = window.timing_ms | {"track": 1e3 * (time.perf_counter() - started)}
     return replace(
         window,
@@ -136,8 +143,20 @@ def with_found_idle(clip: Clip) -> Clip:
     return replace(clip, background=idle).with_note(note)
 
 
+def _belief_of_clip(bundle: Bundle, encoded: Encoded) -> Belief:
+    return _as_known(belief_of(bundle, encoded), encoded)
+
+
 def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:
-    return belief_of_track(track, belief_of(bundle, window))
+    return _as_known(belief_of_track(track, belief_of(bundle, window)), window)
+
+
+def _as_known(belief: Belief, encoded: Encoded) -> Belief:
+    """Return a belief without presses where contact is not known: they look like releases."""
+    if encoded.is_contact_known:
+        return belief
+    ways = belief.ways | dict.fromkeys((Motion.PRESS, Motion.RELEASE), 0.0)
+    return replace(belief, ways=ways, is_contact_known=False)
 
 
 def _four(clip: Clip) -> Clip:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.twist import Component
 from geotlm_lm.query.decision import Decision
+from geotlm_lm.recordings.idle import CONTACT_UNKNOWN
 
 UNRECOGNISED = (
     "I cannot tell: the gel has changed by more than noise, but I recognise no touch in it; press "
@@ -21,6 +23,9 @@ NOTHING_CHANGES = (
 starts of real recordings without their idle frame 96 were told as a still touch, 79 of them at 0.9
 or more, and 106 as touching."""
 
+OF_CONTACT = frozenset({"touch", "none", "press", "in", "out", "made", "lost"})
+"""Atoms that say whether, or how deep, something touches."""
+
 LEAST_SURE = 0.5
 """Probability below which an answer is withheld: it would more likely be wrong than right."""
 
@@ -30,7 +35,11 @@ _OF_MOTION = ("way", "kind", "claim", "choice", "amount", "place", "compare", "w
 
 def why_withheld(bundle: Bundle, encoded: Encoded, decision: Decision) -> str | None:
     """Return what is said in place of a decision; None where it is told, or told as a guess."""
-    if decision.missing is not None or decision.part.ask.kind not in _OF_MOTION:
+    if decision.missing is not None:
+        return None
+    if not encoded.is_contact_known and _tells_contact(decision):
+        return CONTACT_UNKNOWN
+    if decision.part.ask.kind not in _OF_MOTION:
         return None
     ways = [one.way for one in decision.movements if one.way in DIRECTED]
     if encoded.track is None and any(
@@ -56,9 +65,21 @@ def _lacks_reference(encoded: Encoded, decision: Decision) -> bool:
     Whether anything moves may be told all the same: nothing does.
     """
     atoms = _atoms(decision)
-    if not encoded.is_static or (atoms and atoms <= {"move", "starts", "stops"}):
+    is_lacking = encoded.is_static or not encoded.is_contact_known
+    if not is_lacking or (atoms and atoms <= {"move", "starts", "stops"}):
         return False
     return decision.rest is not None or bool(atoms & {"touch", "none"})
+
+
+def _tells_contact(decision: Decision) -> bool:
+    """Tell whether an answer says that something touches or not, where, or that it presses."""
+    ask = decision.part.ask
+    # An option that is so is told whatever else was offered; that none is so denies them all.
+    told = [ask.options[k] for k in decision.options] if decision.options else ask.options
+    chosen = {one.atom for option in told for one in option.proposition.literals}
+    atoms = _atoms(decision) | chosen | {ask.of, ask.then}
+    moved = {one.component for one in decision.movements} | set(decision.denied)
+    return ask.kind == "place" or Component.PRESS in moved or bool(atoms & OF_CONTACT)
 
 
 def _denies_contact(decision: Decision) -> bool:

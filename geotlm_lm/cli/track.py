@@ -28,6 +28,7 @@ INTERRUPTED = 130
 """Exit code of a command stopped by Ctrl-C; what was tracked by then is written."""
 
 NO_EVENTS = "Nothing touches in the recording."
+NO_MOTION = "Nothing turns or slides in the recording."
 
 HEAD = ("begin", "end", "what", "how far", "likely", "sure")
 WIDTHS = (21, 8, 14, 4)
@@ -74,7 +75,7 @@ def track(
     if as_json:
         print(json.dumps(exported.to_dict()))
     elif not tracked.events:
-        print(NO_EVENTS)
+        print(NO_EVENTS if tracked.is_contact_known else NO_MOTION)
     else:
         lines = [event_line(event, exported.units, in_frames=in_frames) for event in tracked.events]
         print("\n".join([aligned(HEAD), *lines, "", *totals_lines(exported)]))
@@ -177,10 +178,16 @@ def totals_lines(exported: Exported) -> list[str]:
     totals, unit = exported.totals(), exported.units.name
     turn, way = totals["turn_net"], totals["turn_in_all"]
     slide, far = totals["slide_net"], totals["slide_in_all"]
+    touched_s = totals["touched_s"]
+    touched = (
+        "whether it is touched is not known"
+        if touched_s is None
+        else (f"touched for {touched_s:.2f} s")
+    )
     sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
     return [
         f"Turned by {abs(turn['amount']):.0f} degrees {sense} from first to last, "
         f"{way['amount']:.0f} there and back.",
         f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there and "
-        f"back; touched for {totals['touched_s']:.2f} s.",
+        f"back; {touched}.",
     ]

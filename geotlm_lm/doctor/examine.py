@@ -375,12 +375,12 @@ def idle_gel(clip: Clip) -> tuple[Finding, Frames | None]:
         return Finding(subject, "fine", "given beside the frames."), clip.background
     idle = find_idle(clip)
     if idle is not None:
-        return Finding(subject, "fine", "the recording starts or ends untouched."), idle
+        return Finding(subject, "fine", "the recording starts, ends or rests untouched."), idle
     return (
         Finding(
             subject,
             "fault",
-            "no untouched part was found at the start or at the end.",
+            "no untouched part was found in the recording.",
             "The gel is guessed from its shading: contact is not judged where nothing moves, and "
             "fine imprints are told less surely.",
             "Give a picture of it by --background, or start half a second before the touch.",

@@ -134,9 +134,10 @@ class Exported:
         """Return what the whole track comes to, as plain JSON values.
 
         What is net is from the first frame to the last; in all, the sum of what events go there and
-        back.
+        back. How long it is touched is None where contact is not known.
         """
         track, net, units = self.track, self.track.net_twist, self.units
+        touched_s = round(sum(last - first for first, last in track.contacts()), 4)
         right, down = units.travelled(net.right_px, net.down_px)
         slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
         slides = [units.amount(event)[0] for event in track.of(Component.SLIDE)]
@@ -144,7 +145,7 @@ class Exported:
         return {
             "frames": len(track),
             "seconds": round(track.seconds, 4),
-            "touched_s": round(sum(last - first for first, last in track.contacts()), 4),
+            "touched_s": touched_s if track.is_contact_known else None,
             "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
             "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
             "turned_back": track.turned_back(),

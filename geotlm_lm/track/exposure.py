@@ -15,7 +15,15 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.recordings.idle import FAINT_IMPRINT, activity_grey, band_pass, lost_share
+from geotlm_lm.recordings.idle import (
+    FAINT_IMPRINT,
+    activity_colours,
+    activity_grey,
+    band_pass,
+    is_marked,
+    lost_share,
+    texture_lost,
+)
 from geotlm_lm.recordings.legible import DIM_GREY, MOST_OFFSET_GREY
 
 Floats = NDArray[np.float32]
@@ -57,8 +65,26 @@ touched: 0 for a touch, 1/2 for a moved object, 1 for a lifted one."""
 SAMPLED = 8
 """Of so many rows and columns one is looked at to compare exposures."""
 
-FOLLOWING = 0.02
-"""Weight of a new untouched frame: light that drifts over a few seconds is followed."""
+FOLLOWING, MARKED_FOLLOWING = 0.02, 0.05
+"""Weight of a new untouched frame: light that drifts over a few seconds is followed. The dots of a
+gel creep besides."""
+
+OWN_NOISE = 1.9
+"""Imprint of a gel with dots from which on it is touched, in units of the noise from one frame to
+the next. Five real recordings that are noisy pass it within two frames of their touch; where the
+gel is learnt from the first frames, two of six do so four or five frames early."""
+
+NOISE_FRAMES = 5
+"""Steps whose median tells the noise; the least one so far counts, as of a gel at rest."""
+
+MOST_NOISE = 1.5
+"""Of a camera that shows a gel: the noisiest of these has 0.8."""
+
+FIRST_NOISE = 0.6
+"""Share of the finest noise in a picture that is as wide as an imprint, where no step is known."""
+
+AGREEING = 1.6
+"""Most that frames differ from their middle in units of that noise; what moves steadily, 2.8."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,16 +151,20 @@ class IdleTracker:
     """
 
     def __init__(self, idle: Frames | None = None) -> None:
-        self._recent: deque[tuple[Frames, NDArray[np.float32]]] = deque(maxlen=STEADY_FRAMES)
-        self._idle: NDArray[np.float32] | None = None
-        self._small: NDArray[np.float32] | None = None
-        self._colours: NDArray[np.float32] | None = None
+        self._recent: deque[tuple[Frames, Floats]] = deque(maxlen=STEADY_FRAMES)
+        self._steps: deque[float] = deque(maxlen=NOISE_FRAMES)
+        self._noise: float | None = None
+        self._is_marked = False
+        self._idle: Floats | None = None
+        self._small: Floats | None = None
+        self._colours: Floats | None = None
         """A frame that is exposed as the idle gel is, as exposures are compared."""
         self._reference_age = 0
         if idle is not None:
             # Contiguous: OpenCV changes it in place.
             self._idle = np.ascontiguousarray(idle, np.float32)
-            self._small = activity_grey(idle[None])[0]
+            self._is_marked = is_marked(activity_grey(idle[None]))
+            self._small = self._picture(idle)
             self._colours = small_colours(idle)
 
     @property
@@ -150,7 +180,7 @@ class IdleTracker:
         step = None if self._colours is None else exposure_step(self._colours, colours)
         if step is not None:
             self._idle = np.ascontiguousarray(step.applied(self._idle))
-            self._small = activity_grey(self._idle[None])[0]
+            self._small = self._picture(self._idle)
             # Frames before and after do not agree with each other any more.
             self._recent.clear()
         if self.is_exposed_alike(frame) and self._is_new_reference(colours, step):
@@ -174,28 +204,65 @@ class IdleTracker:
     def strength(self, frame: Frames) -> float | None:
         """Take in the next frame and return its imprint; None while the gel is being learnt.
 
-        It is the grey levels (rms) between the frame and the idle gel.
+        It is the grey levels (rms) between the frame and the idle gel. On a gel with dots that is
+        noisy it is less: as many times `FAINT_IMPRINT` as it is stronger than the noise allows.
 
         Raises:
             UnreadableClip: If it is of another size than the frames before.
         """
         self._require_same_size(frame)
-        small = activity_grey(frame[None])[0]
+        if self._idle is None:
+            is_dotted = is_marked(activity_grey(frame[None]))
+            if is_dotted != self._is_marked:
+                self._is_marked = is_dotted
+                self._recent.clear()
+        small = self._picture(frame)
+        self._take_noise(small)
         self._recent.append((frame, small))
         if self._idle is None:
             if self._agree(LEARNING_FRAMES):
                 self._learn(LEARNING_FRAMES)
             else:
                 return None
-        strength = _rms(band_pass(small - self._small))
-        if strength > FAINT_IMPRINT and self._was_lifted():
+        strength = self._imprint(small)
+        least = self.faintest(small)
+        if strength > least and self._was_lifted():
             self._learn(STEADY_FRAMES)
-            strength = _rms(band_pass(small - self._small))
-        elif strength < FAINT_IMPRINT / 2:
+            strength = self._imprint(small)
+        elif strength < (least if self._is_marked else least / 2):
             # Only clearly untouched frames: a touch that begins faintly must not be learnt away.
-            cv2.accumulateWeighted(frame, self._idle, FOLLOWING)
-            cv2.accumulateWeighted(small, self._small, FOLLOWING)
-        return strength
+            weight = MARKED_FOLLOWING if self._is_marked else FOLLOWING
+            cv2.accumulateWeighted(frame, self._idle, weight)
+            cv2.accumulateWeighted(small, self._small, weight)
+        return strength / least * FAINT_IMPRINT
+
+    def _picture(self, frame: NDArray[np.generic]) -> Floats:
+        """Return what imprints are measured in: the dots of a gel hide less of its colours."""
+        few = frame[None]
+        return activity_colours(few)[0] if self._is_marked else activity_grey(few)[0]
+
+    def _imprint(self, small: Floats, idle: Floats | None = None) -> float:
+        """Return how far a picture is from the idle gel, or from another, grey levels (rms)."""
+        return _rms(band_pass(small - (self._small if idle is None else idle), self._is_marked))
+
+    def _take_noise(self, small: Floats) -> None:
+        """Measure the noise between this frame and the one before."""
+        if not self._recent or not self._is_marked:
+            return
+        self._steps.append(self._imprint(small, self._recent[-1][1]) / 2**0.5)
+        if len(self._steps) == NOISE_FRAMES or self._noise is None:
+            noise = float(np.median(self._steps))
+            self._noise = noise if self._noise is None else min(noise, self._noise)
+
+    def faintest(self, small: Floats) -> float:
+        """Return the imprint from which on something touches, grey levels (rms)."""
+        if not self._is_marked:
+            return FAINT_IMPRINT
+        if self._noise is not None:
+            return max(FAINT_IMPRINT, OWN_NOISE * self._noise)
+        change = small - self._small
+        fine = np.abs(change - cv2.GaussianBlur(change, (0, 0), 1.5))
+        return max(FAINT_IMPRINT, FIRST_NOISE * 1.48 * float(np.median(fine)))
 
     def _require_same_size(self, frame: Frames) -> None:
         before = self._recent[-1][0] if self._recent else frame
@@ -213,13 +280,16 @@ class IdleTracker:
             return False
         small = np.stack([image for _, image in list(self._recent)[-count:]])
         middle = np.median(small, axis=0)
-        return max(_rms(band_pass(image - middle)) for image in small) < FAINT_IMPRINT
+        most = max(FAINT_IMPRINT, AGREEING * min(self._noise or 0.0, MOST_NOISE))
+        return max(self._imprint(image, middle) for image in small) < most
 
     def _was_lifted(self) -> bool:
         """Tell whether what was taken for idle had an object on it, which is gone now."""
         if not self._agree(STEADY_FRAMES):
             return False
         later = np.stack([image for _, image in self._recent])
+        if self._is_marked:
+            return texture_lost(np.stack([self._small, self._small]), later) > LIFTED_SHARE
         return float(np.median(lost_share(self._small, later))) > LIFTED_SHARE
 
     def _learn(self, count: int) -> None:

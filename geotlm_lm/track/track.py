@@ -62,6 +62,8 @@ class Track:
     events: tuple[Event, ...]  # what happened, by when it began
     frame_size: tuple[int, int]  # rows and columns of the recording's frames
     notes: tuple[str, ...] = ()  # what was amiss, one sentence each
+    # whether the gel's untouched look is known, without which nothing tells contact
+    is_contact_known: bool = True
 
     def __len__(self) -> int:
         return len(self.numbers)

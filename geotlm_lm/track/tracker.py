@@ -15,15 +15,17 @@ from numpy.typing import NDArray
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.recordings.idle import (
+    CONTACT_UNKNOWN,
     FAINT_IMPRINT,
     activity_grey,
     estimate_background,
     find_idle,
     imprints_of,
+    is_marked,
     strength_of,
 )
 from geotlm_lm.track.block import Believe, Block, Row
-from geotlm_lm.track.events import Event, EventFinder, Moment
+from geotlm_lm.track.events import Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
 from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
@@ -41,6 +43,10 @@ END_FRAMES, TOUCHED_SHARE = 5, 0.8
 """Frames at either end, and their share of the usual imprint from which on they are touched too."""
 
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
+
+OF_MOTION = (EventKind.TURN, EventKind.SLIDE)
+"""Events that are told without knowing contact: a press looks like a release then, a stick like
+nothing at all."""
 
 _ROW = np.dtype(
     [
@@ -90,10 +96,18 @@ class Tracker:
         believe: The model's belief of four frames (`block.believer`); None measures only: the depth
             is not known then.
         idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
+        is_contact_known: Whether contact is told by that gel; else it is guessed, of one with dots.
     """
 
-    def __init__(self, believe: Believe | None = None, *, idle: Frames | None = None) -> None:
+    def __init__(
+        self,
+        believe: Believe | None = None,
+        *,
+        idle: Frames | None = None,
+        is_contact_known: bool = True,
+    ) -> None:
         self._believe, self._idle = believe, IdleTracker(idle)
+        self._is_contact_known = is_contact_known
         self._table, self._finder, self._block = Table(), EventFinder(), Block()
         self._events: list[Event] = []
         self._keys: KeyFrames | None = None
@@ -123,7 +137,12 @@ class Tracker:
         shape = (0, 0) if self._before is None else self._before.shape[:2]
         events = sorted(self._events, key=lambda event: (event.begin, event.end))
         return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
-                     notes=self._notes())  # fmt: skip
+                     notes=self._notes(), is_contact_known=self.is_contact_known)  # fmt: skip
+
+    @property
+    def is_contact_known(self) -> bool:
+        """Whether the untouched gel is known by now, without which nothing tells contact."""
+        return self._is_contact_known and self.idle is not None
 
     def feed(self, frame: Frames, time_s: float, number: int | None = None) -> list[Event]:
         """Take in the next frame and return the events that are over.
@@ -166,7 +185,7 @@ class Tracker:
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
         self._settled()
-        self._events += self._finder.finish()
+        self._events += self._told(self._finder.finish())
         return self.so_far
 
     def _measured(self, frame: Frames) -> Row:
@@ -206,12 +225,17 @@ class Tracker:
             way, doubt = self._table.way, self._table.doubt
             moment = Moment(place, row.number, row.time_s, sure, row.is_touched, way, doubt,
                             row.radius_px)  # fmt: skip
-            events += self._finder.push(moment)
+            events += self._told(self._finder.push(moment))
         self._events += events
         return events
 
+    def _told(self, events: list[Event]) -> list[Event]:
+        known = self._is_contact_known
+        return [event for event in events if known or event.kind in OF_MOTION]
+
     def _notes(self) -> tuple[str, ...]:
         notes = [] if self.idle is not None else [NO_IDLE]
+        notes += [] if self._is_contact_known else [CONTACT_UNKNOWN]
         notes += self._clock.notes()
         if self._flashed:
             notes.append(
@@ -248,9 +272,10 @@ def track_of(
         for frame, time_s in source:
             tracker.feed(frame, time_s)
         return tracker.finish()
-    gel = idle if idle is not None else source.background
-    gel = _gel_of(source) if gel is None else gel
-    tracker = Tracker(believe, idle=gel)
+    gel, is_known = idle if idle is not None else source.background, True
+    if gel is None:
+        gel, is_known = gel_of(source)
+    tracker = Tracker(believe, idle=gel, is_contact_known=is_known)
     numbered = zip(source.frames, source.frame_numbers, strict=True)
     for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)
@@ -258,19 +283,23 @@ def track_of(
     return tracker.finish()
 
 
-def _gel_of(clip: Clip) -> Frames | None:
-    """Return the idle gel of a recording, guessed where it is touched from first to last.
+def gel_of(clip: Clip) -> tuple[Frames | None, bool]:
+    """Return the idle gel of a recording, and whether it tells contact.
 
-    None where it can be learnt from the first frames: they show less of an imprint than others.
+    It is guessed where it is not seen: of a gel with dots, which the guess does not show, contact
+    is not known then. None where it can be learnt from the first frames: they show less of an
+    imprint than others.
     """
     grey = activity_grey(clip.frames)
     idle = find_idle(clip, grey)
     if idle is not None:
-        return idle
+        return idle, True
     guess = estimate_background(clip.frames)
+    if is_marked(grey):
+        return guess, False
     strength = strength_of(imprints_of(grey, guess))
     at_ends = min(np.median(strength[:END_FRAMES]), np.median(strength[-END_FRAMES:]))
-    return guess if at_ends > TOUCHED_SHARE * np.median(strength) else None
+    return guess if at_ends > TOUCHED_SHARE * np.median(strength) else None, True
 
 
 def _contact(strength: float) -> float:

@@ -12,7 +12,9 @@ from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.recordings.idle import CONTACT_UNKNOWN
 from tests.answering.scripted import believed, feeling, recording
+from tests.recordings.dotted import dotted, dotted_recording
 
 IDLE = np.add.outer(np.linspace(90, 140, 120), np.zeros((160, 3))).astype(np.uint8)
 
@@ -118,3 +120,25 @@ def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, que
     if felt == "still":
         moving = answerer.ask(unknown, "Is it moving?")
         assert (moving.decided, moving.abstained) == ("no", False)
+
+
+@pytest.mark.parametrize(
+    "question", ["claim touch", "claim in", "claim none", "place", "way press"]
+)
+def test_contact_is_not_told_of_a_gel_with_dots_without_its_idle_frame(bundle, question):
+    answerer = feeling(bundle, "clockwise")
+    for strengths in ([0] * 4, [40] * 4, [20, 25, 30, 35]):
+        unknown = answerer.encode(dotted_recording(strengths))
+        assert not unknown.is_contact_known
+        answer = answerer.ask(unknown, question)
+        assert (answer.text, answer.abstained) == (CONTACT_UNKNOWN, True)
+        assert answerer.ask(unknown, "way").direction is Motion.CLOCKWISE
+    known = replace(dotted_recording([40] * 4), background=dotted(0))
+    assert answerer.ask(answerer.encode(known), question).text != CONTACT_UNKNOWN
+
+
+@pytest.mark.parametrize("count", [4, 8])
+def test_a_belief_against_a_guessed_gel_with_dots_knows_no_press(bundle, count):
+    encoded = Answerer(bundle).encode(dotted_recording(np.linspace(10, 40, count)))
+    assert not encoded.belief.is_contact_known
+    assert encoded.belief.moves(Component.PRESS) == 0

@@ -7,15 +7,15 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.idle import estimate_background, find_idle
+from geotlm_lm.recordings.idle import (
+    REST_FRAMES,
+    activity_grey,
+    estimate_background,
+    find_idle,
+    is_marked,
+)
 from geotlm_lm.recordings.read import read_clip
-
-ROWS, COLUMNS = 120, 160
-
-
-def shading():
-    y, x = np.mgrid[-1 : 1 : ROWS * 1j, -1 : 1 : COLUMNS * 1j]
-    return np.stack([120 + 30 * x - 20 * y * y, 110 - 25 * y, 100 + 20 * x * y], axis=-1)
+from tests.recordings.dotted import COLUMNS, ROWS, dotted, dotted_recording, shading
 
 
 def touched(centre, strength=40.0, seed=0):
@@ -62,6 +62,46 @@ def test_a_recording_that_starts_untouched_shows_its_idle_gel():
 def test_an_object_that_moves_in_contact_all_the_time_shows_no_idle_gel():
     centres = [(40, 60)] * 6 + [(40 + 10 * i, 60) for i in range(1, 9)]
     assert find_idle(recording([40] * 14, centres)) is None
+
+
+REST = [0] * REST_FRAMES
+HELD = [10, 25, 40, 40, 40, 40, 40, 40]
+
+
+@pytest.mark.parametrize("how", [{}, {"drift": 0.03}, {"worn": 3}, {"noise": 5.0}])
+@pytest.mark.parametrize("strengths", [[0] * 6 + HELD, HELD[::-1] + REST, HELD[::-1] + REST + HELD])
+def test_a_gel_with_dots_that_rests_untouched_shows_its_idle_gel(strengths, how):
+    clip = dotted_recording(strengths, **how)
+    assert is_marked(activity_grey(clip.frames))
+    idle = find_idle(clip)
+    assert np.abs(idle - dotted(0, noise=0.0, worn=how.get("worn", 1)).astype(float)).mean() < 4
+    assert np.abs(idle - dotted(40, noise=0.0).astype(float)).max() > 30
+
+
+@pytest.mark.parametrize(
+    "strengths",
+    [[0] * 20, [40] * 20, HELD[::-1], HELD, [40] * 15 + list(range(40, 25, -1)), [0, 0, 40, 40]],
+)
+def test_a_gel_with_dots_that_does_not_rest_untouched_shows_none(strengths):
+    assert find_idle(dotted_recording(strengths)) is None
+
+
+def test_an_object_without_dots_is_no_marked_gel():
+    assert not is_marked(activity_grey(recording([40] * 4).frames))
+    noise = np.random.default_rng(0).integers(95, 120, (1, 48, 64, 3)).astype(np.uint8)
+    assert not is_marked(activity_grey(noise))
+
+
+@pytest.mark.real
+def test_real_recordings_of_gels_with_dots_show_their_idle_gel_where_they_begin_untouched(real):
+    with (real / "marked" / "gelslim4" / "labels.csv").open() as stream:
+        clips = [
+            read_clip(real / "marked" / "gelslim4" / row["clip"]) for row in csv.DictReader(stream)
+        ]
+    # All but one, whose pad moves as a whole.
+    assert sum(find_idle(clip) is not None for clip in clips) >= 5
+    for folder in sorted((real / "marked" / "letac_release_long").glob("*_tr*"))[::4]:
+        assert find_idle(read_clip(folder)) is None  # a grip that opens, and keeps its object
 
 
 @pytest.mark.real

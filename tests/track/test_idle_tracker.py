@@ -1,5 +1,6 @@
 """The idle gel is learnt while nothing touches, also where a stream starts touched."""
 
+import cv2
 import numpy as np
 import pytest
 
@@ -69,3 +70,27 @@ def test_slow_light_is_followed():
         shift = min(step / 100, 2)
         assert (tracker.strength(np.clip(frame + shift, 0, 255).astype(np.uint8)) or 0) < 0.75
     assert tracker.background.mean() == pytest.approx(next(frames).mean() + 2, abs=0.7)
+
+
+def dots(noise=0.0, seed=0):
+    """Return frames without end of a gel with dots that creep, and whose camera is that noisy."""
+    rng = np.random.default_rng(seed)
+    y, x = np.mgrid[:ROWS, :COLUMNS].astype(float)
+    for number in range(10**6):
+        away = np.hypot((x + number / 200) % 14 - 7, y % 14 - 7)
+        plain = 110 + 30 * np.linspace(-1, 1, COLUMNS)[None, :] - 60 * np.exp(-((away / 2.2) ** 2))
+        # What an animation's palette does: patches of noise, not single pixels of it.
+        grain = cv2.GaussianBlur(rng.normal(0, 1, (ROWS, COLUMNS, 3)), (0, 0), 3)
+        frame = plain[..., None] + noise * grain / grain.std()
+        yield np.clip(frame, 0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("noise", [0.0, 2.5])
+@pytest.mark.parametrize("is_known", [False, True])
+def test_the_touch_of_a_gel_with_dots_is_seen_however_noisy_it_is(noise, is_known):
+    frames = dots(noise)
+    tracker = IdleTracker(next(dots()) if is_known else None)
+    strengths = [tracker.strength(next(frames)) or 0.0 for _ in range(4 * LEARNING_FRAMES)]
+    assert max(strengths[1:]) < FAINT_IMPRINT  # one frame alone does not tell its noise
+    strengths = [tracker.strength(touched(next(frames))) for _ in range(2 * LEARNING_FRAMES)]
+    assert min(strengths) > FAINT_IMPRINT

@@ -10,10 +10,13 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.recordings.idle import CONTACT_UNKNOWN
 from geotlm_lm.simulation.scene import Body, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.track.events import EventFinder, EventKind, Moment
+from geotlm_lm.track.export import Exported
 from geotlm_lm.track.tracker import Tracker, track_of
+from tests.recordings.dotted import dotted, dotted_recording
 from tests.track.recordings import frame as disc
 from tests.track.recordings import recording, there_and_back
 
@@ -224,6 +227,22 @@ def test_nothing_seen_of_the_gel_is_said():
     assert events == []
     assert not track.is_touched.any()
     assert "No untouched gel" in track.notes[0]
+
+
+def test_contact_is_not_known_against_a_guessed_gel_with_dots():
+    deeper = dotted_recording([20, 22, 25, 28, 31, 34, 37, 40, 40, 40])
+    track = track_of(deeper)
+    assert not track.is_contact_known
+    assert CONTACT_UNKNOWN in track.notes
+    assert {event.kind for event in track.events} <= {EventKind.TURN, EventKind.SLIDE}
+    assert Exported(track).totals()["touched_s"] is None
+    given = track_of(deeper, idle=dotted(0))
+    assert given.is_contact_known
+    assert given.events[0].kind is EventKind.TOUCH
+    begun = track_of(dotted_recording([0] * 8 + [10, 20, 30, 40, 40, 40, 40, 40]))
+    assert begun.is_contact_known
+    assert begun.events[0].kind is EventKind.TOUCH
+    assert abs(begun.events[0].begin - 8) <= 1
 
 
 @pytest.mark.parametrize("span", [(-1, 5), (0, 10**6), (5, 5), (9, 3)])
