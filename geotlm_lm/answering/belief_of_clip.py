@@ -9,7 +9,7 @@ from torch import Tensor
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.motion.belief import Belief, fused
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
@@ -40,6 +40,9 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
 def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
     """Return what is believed of a clip seen once, and of contact by what the pictures tell too."""
     belief = believed(bundle.motion, encoded.clip, encoded.perception, encoded.doubt)
+    if not encoded.is_contact_known:  # a press looks like a release then
+        ways = belief.ways | dict.fromkeys(WAYS[Component.PRESS], 0.0)
+        return replace(belief, ways=ways, is_contact_known=False)
     touched = _contact(belief.contact, encoded)
     ways = {way: share * touched for way, share in belief.ways.items()}
     return replace(belief, ways=ways, contact=touched)

@@ -13,7 +13,6 @@ from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import activity_grey, find_idle, is_marked
@@ -70,7 +69,7 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
         is_cut_off=cut_off,
         is_static=static,
         is_contact_known=is_contact_known,
-        believe=partial(_belief_of_clip, bundle),
+        believe=partial(belief_of, bundle),
     )
 
 
@@ -143,20 +142,8 @@ def with_found_idle(clip: Clip) -> Clip:
     return replace(clip, background=idle).with_note(note)
 
 
-def _belief_of_clip(bundle: Bundle, encoded: Encoded) -> Belief:
-    return _as_known(belief_of(bundle, encoded), encoded)
-
-
 def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:
-    return _as_known(belief_of_track(track, belief_of(bundle, window)), window)
-
-
-def _as_known(belief: Belief, encoded: Encoded) -> Belief:
-    """Return a belief without presses where contact is not known: they look like releases."""
-    if encoded.is_contact_known:
-        return belief
-    ways = belief.ways | dict.fromkeys((Motion.PRESS, Motion.RELEASE), 0.0)
-    return replace(belief, ways=ways, is_contact_known=False)
+    return belief_of_track(track, belief_of(bundle, window))
 
 
 def _four(clip: Clip) -> Clip:
