@@ -44,6 +44,7 @@ class Encoded:
         is_cut_off: Whether the border of the image cuts through the imprint; likewise.
         is_static: Whether the background is a guess and no frame differs from the first by more
             than an untouched gel may: a touch held still and no touch then look alike.
+        suspicion: Why the pictures are probably no gel's, one sentence; "" of a gel.
         track: The track of the recording, or of the span of it that is asked about; None where four
             frames are all there is. The clip then holds the four that show its motion best.
         recording: What was tracked, whole.
@@ -58,6 +59,7 @@ class Encoded:
     is_faint: bool = False
     is_cut_off: bool = False
     is_static: bool = False
+    suspicion: str = ""
     track: Track | None = None
     recording: Clip | None = None
     believe: Callable[[Encoded], Belief] | None = None
