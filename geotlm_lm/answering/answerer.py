@@ -35,6 +35,7 @@ from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
+from geotlm_lm.recordings.scene_checks import scene_of
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
 
@@ -92,8 +93,10 @@ class Answerer:
             inside = inside if span is None else with_idle_of(inside, clip)
             return perceive_clip(self.bundle, inside)
         require_any_legible(inside)  # before it is followed, which takes long
-        clip = with_found_idle(clip)  # once, for the track and for the four frames looked at
-        track = self.track(clip, progress=progress) if track is None else track
+        scene = scene_of(clip) if track is None else track.scene
+        # Once, for the track and for the four frames looked at.
+        clip = with_found_idle(scene.steadied(clip))
+        track = track_recording(self.bundle, clip, progress, scene) if track is None else track
         return perceive_recording(self.bundle, clip, track, span)
 
     def track(self, recording: Clip, *, progress: Progress = silent) -> Track:

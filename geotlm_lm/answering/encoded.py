@@ -47,6 +47,7 @@ class Encoded:
         is_contact_known: Whether the idle gel is known, or the gel is plain enough to be guessed:
             against a guess that lacks the gel's dots nothing tells a touch from none, nor a press
             from a release.
+        suspicion: Why the pictures are probably no gel's, one sentence; "" of a gel.
         track: The track of the recording, or of the span of it that is asked about; None where four
             frames are all there is. The clip then holds the four that show its motion best.
         recording: What was tracked, whole.
@@ -62,6 +63,7 @@ class Encoded:
     is_cut_off: bool = False
     is_static: bool = False
     is_contact_known: bool = True
+    suspicion: str = ""
     track: Track | None = None
     recording: Clip | None = None
     believe: Callable[[Encoded], Belief] | None = None

@@ -17,6 +17,7 @@ from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.recordings.idle import activity_grey, find_idle, is_marked
 from geotlm_lm.recordings.legible import require_legible
+from geotlm_lm.recordings.scene_checks import SceneReport, scene_of
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.block import believer
 from geotlm_lm.track.track import Track, belief_of_track, window_of
@@ -25,19 +26,23 @@ from geotlm_lm.track.tracker import Tracker, gel_of, track_of
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 
 
-def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
+def perceive_clip(bundle: Bundle, clip: Clip, scene: SceneReport | None = None) -> Encoded:
     """Perceive two to four frames once; fewer than four are repeated evenly.
 
     Args:
         bundle: The model.
         clip: The frames, with their idle gel if that is known.
+        scene: What was noticed about the recording that they are of; None looks at them alone.
 
     Raises:
         UnreadableClip: If the frames hold no picture of a gel.
     """
     started = time.perf_counter()
     is_idle_known = clip.background is not None
-    clip = require_legible(with_background(_four(clip)))
+    idle, clip = clip.background, require_legible(with_background(_four(clip)))
+    if scene is None:
+        scene = scene_of(clip, idle)
+        clip = scene.steadied(replace(clip, notes=(*clip.notes, *scene.notes)))
     chosen = time.perf_counter()
     change = change_from_idle(clip)
     seen = is_idle_known and change.is_beyond_noise
@@ -69,20 +74,26 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
         is_cut_off=cut_off,
         is_static=static,
         is_contact_known=is_contact_known,
+        suspicion=scene.suspicion,
         believe=partial(belief_of, bundle),
     )
 
 
-def track_recording(bundle: Bundle, clip: Clip, progress: Progress = silent) -> Track:
-    """Return the track of a recording in memory; its idle gel is found, learnt or guessed."""
-    return track_of(clip, believer(bundle.model, bundle.motion), progress=progress)
+def track_recording(
+    bundle: Bundle, clip: Clip, progress: Progress = silent, scene: SceneReport | None = None
+) -> Track:
+    """Return the track of a recording in memory; its idle gel is found, learnt or guessed.
+
+    It is steadied first, or was by the `scene` that is given.
+    """
+    return track_of(clip, believer(bundle.model, bundle.motion), progress=progress, scene=scene)
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
     """Return what follows frames one by one, and knows the idle gel of a recording."""
     idle, is_known = (None, True) if clip is None else (clip.background, True)
     if clip is not None and idle is None:
-        idle, is_known = gel_of(clip)
+        idle, is_known = gel_of(scene_of(clip).steadied(clip))
     believe = believer(bundle.model, bundle.motion)
     return Tracker(believe, idle=idle, is_contact_known=is_known)
 
@@ -94,7 +105,7 @@ def perceive_recording(
 
     Args:
         bundle: The model.
-        clip: The recording, or those of its frames that are kept.
+        clip: The recording, or those of its frames that are kept, steadied by the track's scene.
         track: Of all of it.
         span: First and last frame, both included, by their numbers.
 
@@ -107,7 +118,7 @@ def perceive_recording(
     part = track if span is None else track.between(*span)
     # Not every frame that was tracked need be kept: the nearest shows the same.
     away = np.abs(np.subtract.outer(part.numbers[list(window_of(part))], clip.frame_numbers))
-    window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()))
+    window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()), track.scene)
     used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
     window = replace(window, clip=window.clip.with_note(used))
     if not part.is_contact_known:

@@ -33,13 +33,20 @@ _OF_MOTION = ("way", "kind", "claim", "choice", "amount", "place", "compare", "w
 """Asks whose answers are withheld; what else is asked is told whatever its probability."""
 
 
+_OF_NO_PICTURE = ("recording", "setup", "again", "help", "talk", "unanswerable", "not-understood")
+"""Asks that are answered of any picture, be it a gel's or not."""
+
+
 def why_withheld(bundle: Bundle, encoded: Encoded, decision: Decision) -> str | None:
     """Return what is said in place of a decision; None where it is told, or told as a guess."""
+    kind = decision.part.ask.kind
+    if encoded.suspicion and kind not in _OF_NO_PICTURE:
+        return f"I cannot tell. {encoded.suspicion}"
     if decision.missing is not None:
         return None
     if not encoded.is_contact_known and _tells_contact(decision):
         return CONTACT_UNKNOWN
-    if decision.part.ask.kind not in _OF_MOTION:
+    if kind not in _OF_MOTION:
         return None
     ways = [one.way for one in decision.movements if one.way in DIRECTED]
     if encoded.track is None and any(

@@ -18,6 +18,7 @@ from geotlm_lm.recordings.idle import FAINT_IMPRINT, find_idle, imprint_strength
 from geotlm_lm.recordings.legible import DARK_GREY, DIM_GREY, GREEN, WHITE_GREY, noise_grey
 from geotlm_lm.recordings.pixels import SQUASHED
 from geotlm_lm.recordings.policy import EVEN_STEP, FEWEST_EVEN, ROUNDED_S
+from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, without_blank
 from geotlm_lm.recordings.stated_shape import TURN_NOTES, TURNS
 from geotlm_lm.recordings.touch import COLUMNS
 from geotlm_lm.recordings.video import VIDEO_SUFFIXES
@@ -114,12 +115,14 @@ def examine(clip: Clip, frames: Iterable[tuple[int, Frames]] | None = None) -> l
     Frames are those of the recording, as `each_frame` yields them; None for those of the clip.
     """
     smalls, repeats, numbers, before = [], [], [], None
+    scene = SceneChecker()
     every = frames or zip(clip.frame_numbers, clip.frames, strict=True)
     for number, frame in every:
         if len(numbers) == MOST_FRAMES:
             break
         numbers.append(number)
         smalls.append(small_colours(frame))
+        scene.steadied(frame, number)
         if before is not None:
             repeats.append(np.array_equal(frame, before))
         before = frame
@@ -139,6 +142,7 @@ def examine(clip: Clip, frames: Iterable[tuple[int, Frames]] | None = None) -> l
         colours(gel),
         *drifts(smalls),
         *pixels(few),
+        *picture(scene.report),
         idle_finding,
         contrast(clip, idle),
         markers(gel),
@@ -368,12 +372,34 @@ def pixels(frames: Frames) -> list[Finding]:
     ]
 
 
+def picture(scene: SceneReport) -> list[Finding]:
+    """Judge whether the pictures are a gel's, and whether the camera keeps its place before it."""
+    return [
+        judged(
+            "gel",
+            scene.suspicion or "the pictures look like a gel's.",
+            "No question about a motion is answered, and no event is more probable than 0.5.",
+            "Choose the sensor's own camera, and one view of it; cut other views away.",
+            is_fault=bool(scene.suspicion),
+        ),
+        judged(
+            "camera",
+            "the lights and the rim keep their place."
+            if scene.suspicion or not scene.jumps
+            else " ".join(scene.notes),
+            "Such a jump is taken out of every motion; smaller ones are told as the object's.",
+            "Fasten the camera to the gel, and the cable to the sensor.",
+            is_fault=bool(scene.jumps) and not scene.suspicion,
+        ),
+    ]
+
+
 def idle_gel(clip: Clip) -> tuple[Finding, Frames | None]:
     """Judge whether the untouched gel is known; return it, None where it is not."""
     subject = "idle gel"
     if clip.background is not None:
         return Finding(subject, "fine", "given beside the frames."), clip.background
-    idle = find_idle(clip)
+    idle = find_idle(without_blank(clip))
     if idle is not None:
         return Finding(subject, "fine", "the recording starts, ends or rests untouched."), idle
     return (

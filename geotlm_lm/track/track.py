@@ -21,6 +21,7 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, COUNTING_PX, WAYS, Component, Twist
 from geotlm_lm.motion.belief import PX_PER_MM, Belief
+from geotlm_lm.recordings.scene_checks import SceneReport
 from geotlm_lm.track.events import ENDS, MOVING, SYSTEMATIC, Event, EventKind, Span, amount_of
 
 Floats = NDArray[np.float64]
@@ -64,6 +65,7 @@ class Track:
     notes: tuple[str, ...] = ()  # what was amiss, one sentence each
     # whether the gel's untouched look is known, without which nothing tells contact
     is_contact_known: bool = True
+    scene: SceneReport = SceneReport()  # whether it is a gel's, and where the camera moved
 
     def __len__(self) -> int:
         return len(self.numbers)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from geotlm_lm.recordings.idle import (
     is_marked,
     strength_of,
 )
+from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of
 from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
@@ -41,6 +43,10 @@ ASSUMED_FPS = 25.0
 
 END_FRAMES, TOUCHED_SHARE = 5, 0.8
 """Frames at either end, and their share of the usual imprint from which on they are touched too."""
+
+DOUBTED = 0.01
+"""What is left of the distance of contact from an even chance where the pictures may be no gel's:
+less would say that nothing touches."""
 
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
 
@@ -97,6 +103,7 @@ class Tracker:
             is not known then.
         idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
         is_contact_known: Whether contact is told by that gel; else it is guessed, of one with dots.
+        scene: What was noticed about the frames, which are steadied by it; None looks at them.
     """
 
     def __init__(
@@ -105,6 +112,7 @@ class Tracker:
         *,
         idle: Frames | None = None,
         is_contact_known: bool = True,
+        scene: SceneReport | None = None,
     ) -> None:
         self._believe, self._idle = believe, IdleTracker(idle)
         self._is_contact_known = is_contact_known
@@ -113,7 +121,7 @@ class Tracker:
         self._keys: KeyFrames | None = None
         self._gel: Floats | None = None
         self._before: Frames | None = None
-        self._clock = FrameClock()
+        self._clock, self._checker, self._known_scene = FrameClock(), SceneChecker(), scene
         self._time_s, self._number = 0.0, -1
         self._stepped: list[int] = []
         self._flashed = self._repeated = self._lost = 0
@@ -122,6 +130,10 @@ class Tracker:
     def idle(self) -> Frames | None:
         """The untouched gel as learnt so far; None while it is being learnt."""
         return self._idle.background
+
+    @property
+    def _scene(self) -> SceneReport:
+        return self._checker.report if self._known_scene is None else self._known_scene
 
     @property
     def way(self) -> NDArray[np.float64]:
@@ -135,9 +147,14 @@ class Tracker:
     def so_far(self) -> Track:
         """The track as far as it is settled: to the end of the last event, or half a second ago."""
         shape = (0, 0) if self._before is None else self._before.shape[:2]
-        events = sorted(self._events, key=lambda event: (event.begin, event.end))
-        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
-                     notes=self._notes(), is_contact_known=self.is_contact_known)  # fmt: skip
+        scene = self._scene
+        events = sorted(self._doubted(self._events), key=lambda event: (event.begin, event.end))
+        arrays = self._table.arrays()
+        if scene.suspicion:
+            arrays["contact"] = 0.5 + DOUBTED * (arrays["contact"] - 0.5)
+        return Track(**arrays, events=tuple(events), frame_size=shape,
+                     notes=(*scene.notes, *self._notes()), scene=scene,
+                     is_contact_known=self.is_contact_known)  # fmt: skip
 
     @property
     def is_contact_known(self) -> bool:
@@ -162,6 +179,11 @@ class Tracker:
         if taken_s is None:
             return []
         self._time_s = taken_s
+        if self._known_scene is None:
+            steady = self._checker.steadied(frame, self._number, lambda: self.idle)
+            if steady is None:
+                return []
+            frame = steady
         exposure = self._idle.follow_exposure(frame)
         if exposure is not None:
             self._stepped.append(self._number)
@@ -180,7 +202,7 @@ class Tracker:
             events += self._settled()
             if row.is_touched:
                 self._block.frames = [(row.time_s, frame)]
-        return events
+        return self._doubted(events)
 
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
@@ -233,6 +255,12 @@ class Tracker:
         known = self._is_contact_known
         return [event for event in events if known or event.kind in OF_MOTION]
 
+    def _doubted(self, events: list[Event]) -> list[Event]:
+        """Return events at most as probable as not where the pictures may not be a gel's."""
+        if not events or not self._scene.suspicion:
+            return events
+        return [replace(event, probability=0.5 * event.probability) for event in events]
+
     def _notes(self) -> tuple[str, ...]:
         notes = [] if self.idle is not None else [NO_IDLE]
         notes += [] if self._is_contact_known else [CONTACT_UNKNOWN]
@@ -261,6 +289,7 @@ def track_of(
     *,
     idle: Frames | None = None,
     progress: Progress = silent,
+    scene: SceneReport | None = None,
 ) -> Track:
     """Return the track of a recording; arguments and errors as of `Tracker`.
 
@@ -272,10 +301,13 @@ def track_of(
         for frame, time_s in source:
             tracker.feed(frame, time_s)
         return tracker.finish()
+    if scene is None:
+        scene = scene_of(source)
+        source = scene.steadied(source)
     gel, is_known = idle if idle is not None else source.background, True
     if gel is None:
         gel, is_known = gel_of(source)
-    tracker = Tracker(believe, idle=gel, is_contact_known=is_known)
+    tracker = Tracker(believe, idle=gel, is_contact_known=is_known, scene=scene)
     numbered = zip(source.frames, source.frame_numbers, strict=True)
     for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)

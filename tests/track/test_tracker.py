@@ -183,7 +183,7 @@ def test_a_flash_and_a_covered_lens_change_nothing_and_are_noted(frames, track):
     found, _ = fed(bad)
     assert found.net(Component.TURN).mean == pytest.approx(track.net(Component.TURN).mean, abs=2)
     assert [one.kind for one in found.events] == [one.kind for one in track.events]
-    assert any("brighter or darker" in note for note in found.notes)
+    assert found.notes == ("3 frames show no picture of the gel and are left out.",)
 
 
 @pytest.mark.parametrize(("gain", "offset"), [(1.3, 5), (0.7, -3), (1.1, 0)])
@@ -226,7 +226,7 @@ def test_nothing_seen_of_the_gel_is_said():
     track, events = fed(noise)
     assert events == []
     assert not track.is_touched.any()
-    assert "No untouched gel" in track.notes[0]
+    assert any("No untouched gel" in note for note in track.notes)
 
 
 def test_contact_is_not_known_against_a_guessed_gel_with_dots():

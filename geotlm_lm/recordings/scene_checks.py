@@ -1,0 +1,361 @@
+"""Whether pictures show a gel, and whether the camera moved: by what cannot move on a gel.
+
+Lamps, rim and shading are fixed to the sensor, and what touches changes a part of the picture. So a
+step of all of it is the camera's, and a scene whose pattern moves everywhere, is sharp everywhere,
+or is there twice, is no gel. All is measured on pictures a few dozen pixels wide.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.recordings.legible import (
+    DARK_GREY,
+    DIM_GREY,
+    MOST_BLACK,
+    MOST_OFFSET_GREY,
+    MOST_WHITE,
+    WHITE_GREY,
+)
+from geotlm_lm.recordings.whole_step import (
+    MOST_SHIFT,
+    STEP_SIZE,
+    Shift,
+    blurred,
+    small_frame,
+    warped,
+    whole_step,
+)
+
+Floats = NDArray[np.float32]
+
+RETURNED = 0.25
+"""Share of a jump that may be left of it when the picture is back in its place."""
+
+LOOKED_AT = ((8, 1), (40, 4), (1 << 62, 16))
+"""Frames up to which, and how many of them apart, the scene is looked at: closely at first."""
+
+SCENE_COLUMNS, BLOCK_PX = 80, 10
+"""Width a scene is looked at, and side of a block whose pattern is followed there."""
+
+MOST_STRUCTURE = 19.0
+"""Grey levels (rms) of structure, markers closed, of a first picture of a gel at most: 12.3 on 434
+real recordings, 17.8 if any of their frames were the first; photographs have 21 or more."""
+
+PATTERN_GREY, LEAST_PATTERNED = 2.0, 0.25
+"""Contrast of a block from which on its pattern is followed, and share of blocks that need it."""
+
+LOST_CORRELATION, MOST_LOST, MOST_LOST_SHARE, FEWEST_LOOKS = 0.5, 0.7, 0.35, 8
+"""A block's pattern is lost below this correlation with the first picture; a frame's is where so
+many blocks' are, of the picture and of its rim. One real recording has 0.29 such frames, the next
+0.10 (434); moving scenes and papers 0.19 to 0.97, 0.6 in the median."""
+
+FEWEST_STEPS, MOST_STEPS = 8, 0.1
+"""Steps of the whole picture, and their share of the frames, from which on it is a moving scene's:
+one of 434 real recordings has one."""
+
+TWICE, LEAST_TWICE_GREY, FEWEST_TWICE = 0.92, 0.7, 3
+"""Correlation of two halves, of the first picture's structure as of its changes, markers closed,
+from which on both show the same, grey levels (rms) of change that tell, and looks. On 434
+recordings the structure's is 0.92 at most and never both; of doubled ones both are
+0.93 or more."""
+
+LONGEST_OFF = 15
+"""First or last frames that are left out where they are exposed unlike all others."""
+
+MOST_NOTES = 3
+"""Jumps that are named one by one."""
+
+NOT_A_GEL = "These pictures do not look like a gel's"
+SHARP = f"{NOT_A_GEL}: sharp structure fills the untouched picture, as of a room or a screen."
+MOVING = f"{NOT_A_GEL}: the pattern moves everywhere, up to the rim, as of a scene or a print."
+DOUBLED = f"{NOT_A_GEL} seen once: two halves of the picture show the same, as through a mirror."
+
+
+@dataclass(frozen=True)
+class Jump:
+    """Frames in which the whole picture lies elsewhere than in the first ones."""
+
+    first: int  # frame numbers, both included
+    last: int
+    right_px: float  # of the frame as recorded
+    down_px: float
+
+    def note(self) -> str:
+        """Return a sentence about it."""
+        far = round(float(np.hypot(self.right_px, self.down_px)))
+        return (
+            f"The whole picture moves by {far} px in frames {self.first} to {self.last}, lights "
+            f"and rim with it: the camera moved, not the object."
+        )
+
+
+@dataclass(frozen=True)
+class SceneReport:
+    """What was noticed about a recording as a picture of a gel."""
+
+    jumps: tuple[Jump, ...] = ()
+    suspicion: str = ""  # one sentence why it is no gel; "" of a gel
+    blank: int = 0  # frames that show nothing of the gel
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """One sentence each; of many jumps the first ones."""
+        if self.suspicion:
+            return (self.suspicion,)
+        more = len(self.jumps) - MOST_NOTES
+        many = [f"It moves so {more} times more."] if more > 0 else []
+        blank = (
+            [f"{self.blank} frames show no picture of the gel and are left out."]
+            if self.blank
+            else []
+        )
+        return (*blank, *(jump.note() for jump in self.jumps[:MOST_NOTES]), *many)
+
+    def steadied(self, clip: Clip) -> Clip:
+        """Return a clip with its jumps taken out and without blank frames."""
+        clip = without_blank(clip) if self.blank else clip
+        if not self.jumps:
+            return clip
+        frames, gel = clip.frames.copy(), clip.background
+        for place, number in enumerate(clip.frame_numbers):
+            for jump in self.jumps:
+                if jump.first <= number <= jump.last:
+                    frames[place] = _moved_back(frames[place], jump, gel)
+        return replace(clip, frames=frames)
+
+
+class SceneChecker:
+    """Looks at the frames of one recording in their order.
+
+    Args:
+        idle: The untouched gel as it was seen, uint8 RGB, where that is known: the first frame may
+            then be moved too.
+    """
+
+    def __init__(self, idle: Frames | None = None) -> None:
+        self._count = self._blank = self._steps = 0
+        self._before = None if idle is None else blurred(small_frame(idle))
+        self._shift: Shift = np.zeros(2)
+        self._jumps: list[Jump] = []
+        self._first: _Look | None = None
+        self._lost: list[tuple[bool, int]] = []  # each with the frames that the look stands for
+        self._twice: list[Floats] = []
+
+    @property
+    def report(self) -> SceneReport:
+        """What was noticed so far."""
+        return SceneReport(tuple(self._jumps), self._suspicion(), self._blank)
+
+    def steadied(
+        self, frame: Frames, number: int, idle_of: Callable[[], Frames | None] = lambda: None
+    ) -> Frames | None:
+        """Take in the next frame; return it where the first ones lie, or None where it is blank.
+
+        What was out of the picture is filled in from the idle gel, which `idle_of` returns where it
+        is known, else from the picture's edge.
+        """
+        few = small_frame(frame)
+        if _is_blank(few):
+            self._blank += 1
+            return None
+        self.take(frame, few, number)
+        if not self._shift.any():
+            return frame
+        return _moved_back(frame, self._jumps[-1], idle_of())
+
+    def take(self, frame: Frames, few: Frames, number: int) -> None:
+        """Take in the next frame, which is not blank, and the same in `STEP_SIZE`."""
+        few = blurred(few)
+        step = None if self._before is None else whole_step(self._before, few)
+        self._before = few
+        if step is not None:
+            self._jump(step, frame, number)
+        apart = next(apart for end, apart in LOOKED_AT if self._count < end)
+        if self._count % apart == 0:
+            self._look(frame, apart)
+        self._count += 1
+        if self._shift.any():
+            self._jumps[-1] = replace(self._jumps[-1], last=number)
+
+    def _jump(self, step: Shift, frame: Frames, number: int) -> None:
+        self._steps += 1
+        shift, far = self._shift + step, max(np.hypot(*self._shift), np.hypot(*step))
+        is_back = np.hypot(*shift) < RETURNED * far or np.hypot(*shift) > MOST_SHIFT
+        is_back = is_back or self._is_panned
+        self._shift = np.zeros(2) if is_back else shift
+        if not is_back:
+            scale = np.array(frame.shape[1::-1]) / STEP_SIZE
+            self._jumps.append(Jump(number, number, *map(float, shift * scale)))
+
+    @property
+    def _is_panned(self) -> bool:
+        return self._steps >= FEWEST_STEPS and self._steps > MOST_STEPS * self._count
+
+    def _look(self, frame: Frames, apart: int) -> None:
+        if self._first is not None and not self._first.tells:
+            self._lost.append((False, apart))
+            return
+        small = _scene_size(frame)
+        fine = _band(small, 0.8, 4.0)
+        if self._first is None:
+            self._first = _Look.at(small, fine)
+            return
+        self._lost.append((self._first.is_lost(fine), apart))
+        if self._first.alike.max() > TWICE:
+            change = _band(_unmarked(small), 0.8, 4.0) - self._first.plain
+            if np.square(change).mean() > LEAST_TWICE_GREY**2:
+                self._twice.append(_halves_alike(change))
+
+    def _suspicion(self) -> str:
+        if self._first is not None and self._first.structure_grey > MOST_STRUCTURE:
+            return SHARP
+        lost, stands_for = np.array([*self._lost, (0, 0)]).T
+        is_lost = lost @ stands_for > MOST_LOST_SHARE * stands_for.sum()
+        if self._is_panned or (len(self._lost) >= FEWEST_LOOKS and is_lost):
+            return MOVING
+        if len(self._twice) >= FEWEST_TWICE:
+            alike = np.minimum(np.median(self._twice, axis=0), self._first.alike)
+            return DOUBLED if alike.max() > TWICE else ""
+        return ""
+
+
+def scene_of(clip: Clip, idle: Frames | None = None) -> SceneReport:
+    """Return what is noticed about a clip in memory; `idle` as of `SceneChecker`."""
+    checker, few = SceneChecker(idle), [small_frame(frame) for frame in clip.frames]
+    kept = _exposed_alike(few)
+    for place in kept:
+        checker.take(clip.frames[place], few[place], clip.frame_numbers[place])
+    return replace(checker.report, blank=len(clip) - len(kept))
+
+
+def without_blank(clip: Clip) -> Clip:
+    """Return a clip without blank frames, nor the few first and last ones exposed unlike others.
+
+    All of it where fewer than two frames are left.
+    """
+    kept = _exposed_alike([small_frame(frame) for frame in clip.frames])
+    return clip if len(kept) == len(clip) else clip.select(kept)
+
+
+def _exposed_alike(few: list[Frames]) -> list[int]:
+    """Return the places of the frames that `without_blank` keeps, of all in `STEP_SIZE`."""
+    every, blank = list(range(len(few))), np.array([_is_blank(frame) for frame in few])
+    level = np.array([frame[..., 1].mean() for frame in few])
+    if blank.all():
+        return every
+    usual = np.sort(level[~blank])[(~blank).sum() // 2]  # that of some frame
+    is_off = np.abs(level - usual) > MOST_OFFSET_GREY
+    alike = np.flatnonzero(~blank & ~is_off)
+    # A longer run is an exposure that was locked late, and is followed.
+    first = alike[0] if alike[0] <= LONGEST_OFF else 0
+    last = alike[-1] if len(few) - 1 - alike[-1] <= LONGEST_OFF else len(few) - 1
+    is_off[first : last + 1] = False
+    kept = np.flatnonzero(~blank & ~is_off).tolist()
+    return kept if len(kept) > 1 else every
+
+
+def _is_blank(few: Frames) -> bool:
+    """Tell whether a frame shows nothing: black, dim or white, as a capped or blinded lens does."""
+    level = np.maximum(np.maximum(few[..., 0], few[..., 1]), few[..., 2])
+    least, most = MOST_BLACK * level.size, MOST_WHITE * level.size
+    is_dark = (level <= DARK_GREY).sum() > least or (level < DIM_GREY).sum() > level.size / 2
+    return bool(is_dark or (level >= WHITE_GREY - 1).sum() > most)
+
+
+def _moved_back(frame: Frames, jump: Jump, idle: Frames | None) -> Frames:
+    shift = np.array([jump.right_px, jump.down_px])
+    moved = warped(frame, shift)
+    if idle is None:
+        return moved
+    rows, columns = frame.shape[:2]
+    y, x = np.arange(rows)[:, None] + shift[1], np.arange(columns) + shift[0]
+    is_out = (x < 0) | (x > columns - 1) | (y < 0) | (y > rows - 1)
+    moved[is_out] = idle[is_out]
+    return moved
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """The first picture, `SCENE_COLUMNS` wide, as later ones are compared with it."""
+
+    fine: Floats  # pattern without noise and shading, of all colours
+    plain: Floats  # the same without markers, a grid of which is there as often as one likes
+    structure_grey: float  # rms of what is coarser than markers and finer than shading
+    blocks: Floats  # mean square of the grey pattern in each block
+    alike: Floats  # how one half of the pattern resembles the other, markers left out
+
+    @classmethod
+    def at(cls, small: Frames, fine: Floats) -> _Look:
+        unmarked = _unmarked(small)
+        structure, plain = _band(unmarked, 1.0, 8.0), _band(unmarked, 0.8, 4.0)
+        structure_grey = float(np.sqrt(np.square(structure).mean()))
+        blocks = _in_blocks(np.square(fine.mean(axis=-1)))
+        return cls(fine, plain, structure_grey, blocks, _halves_alike(plain))
+
+    @cached_property
+    def _rim(self) -> NDArray[np.bool_]:
+        rim = np.ones(self.blocks.shape, bool)
+        rim[1:-1, 1:-1] = False
+        return rim
+
+    @cached_property
+    def is_patterned(self) -> bool:
+        """Whether enough blocks, of the rim too, have a pattern to be followed."""
+        strong = self.blocks > PATTERN_GREY**2
+        return min(strong.mean(), strong[self._rim].mean()) >= LEAST_PATTERNED
+
+    @cached_property
+    def tells(self) -> bool:
+        """Whether later looks can tell anything."""
+        return self.is_patterned or bool(self.alike.max() > TWICE)
+
+    def is_lost(self, fine: Floats) -> bool:
+        """Tell whether most of its pattern is gone from a later picture, at the rim too."""
+        if not self.is_patterned:
+            return False
+        is_patterned, rim = self.blocks > PATTERN_GREY**2, self._rim
+        grey, own = fine.mean(axis=-1), self.fine.mean(axis=-1)
+        correlation = _in_blocks(own * grey) / np.sqrt(self.blocks * _in_blocks(grey * grey) + 1e-6)
+        is_gone = correlation < LOST_CORRELATION
+        return min(is_gone[is_patterned].mean(), is_gone[is_patterned & rim].mean()) >= MOST_LOST
+
+
+def _scene_size(frame: Frames) -> Frames:
+    rows = max(round(frame.shape[0] * SCENE_COLUMNS / frame.shape[1]), 2 * BLOCK_PX)
+    return cv2.resize(frame, (SCENE_COLUMNS, rows), interpolation=cv2.INTER_AREA)
+
+
+def _unmarked(small: Frames) -> Frames:
+    dots = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
+    return cv2.morphologyEx(small, cv2.MORPH_CLOSE, dots)
+
+
+def _band(picture: NDArray, fine: float, coarse: float) -> Floats:
+    smooth = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), fine)
+    return smooth - cv2.GaussianBlur(smooth, (0, 0), coarse)
+
+
+def _in_blocks(picture: Floats) -> Floats:
+    rows, columns = (side // BLOCK_PX for side in picture.shape)
+    whole = picture[: rows * BLOCK_PX, : columns * BLOCK_PX]
+    return cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA)
+
+
+def _halves_alike(pattern: Floats) -> Floats:
+    """Return how one half resembles the other, mirrored and not, across and down, (4,)."""
+    alike, edge = [], 2
+    for picture in (pattern, pattern.transpose(1, 0, 2)):
+        half = picture.shape[1] // 2
+        part = np.ascontiguousarray(picture[edge:-edge, edge : half - edge])
+        for other in (picture[:, ::-1][:, :half], picture[:, -half:]):
+            score = cv2.matchTemplate(np.ascontiguousarray(other), part, cv2.TM_CCOEFF_NORMED)
+            alike.append(float(score.max()))
+    return np.array(alike, np.float32)
