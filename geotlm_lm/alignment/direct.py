@@ -160,10 +160,6 @@ SMALL_SAMPLE = 2000
 
 WORSE = 1.2
 """Squared error over that at the start from which on steps have lost their way."""
-
-LEAST_GAIN = 0.33
-"""Contrast of the later picture over the earlier one's below which steps grow no longer."""
-
 LEAST_WEIGHT = 0.02
 """Weight of a pixel that has not changed at all: stillness must stay found."""
 
@@ -281,8 +277,10 @@ def _refined(
         left = error - offset - gain * level.values
         if start is None:
             start = motion, left
-        # A picture of more contrast is steeper by as much: its steps would be too long.
-        steeper = max(1 + gain, LEAST_GAIN)
+        # A picture of more contrast is steeper by as much: its steps would be too long. Those of a
+        # fainter one are too short, which only takes longer; made longer, where little is alike,
+        # they would jump to the next marker.
+        steeper = max(1 + gain, 1.0)
         turn, right, down = turn / steeper, right / steeper, down / steeper
         motion = motion.after(Rigid(turn / level.lever_px, right, down).inverse())
         if max(abs(turn), abs(right), abs(down)) < close_px:

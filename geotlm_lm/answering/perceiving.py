@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from geotlm_lm.alignment.dots import activity_grey, is_marked
 from geotlm_lm.answering.belief_of_clip import belief_of
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
@@ -15,7 +16,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.recordings.idle import activity_grey, find_idle, is_marked
+from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.scene_checks import SceneReport, scene_of
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static

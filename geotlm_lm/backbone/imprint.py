@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.alignment.dots import without_dots
 from geotlm_lm.backbone.relief import (
     RELIEF_SIDE,
     Lights,
@@ -48,8 +49,8 @@ class Imprint:
     Frames that repeat the one before are left out.
     """
 
-    # Green residual of the view, grey levels, pixels square on the gel, (`VIEW_SIDE` / aspect,
-    # `VIEW_SIDE`) each.
+    # Green residual of the view, with the gel's dots if it has any, grey levels, pixels square on
+    # the gel, (`VIEW_SIDE` / aspect, `VIEW_SIDE`) each.
     green: list[Floats]
     # Residual of the view as under the usual lights, RGB grey levels, (56, 56, 3) each.
     cells: list[Floats]
@@ -74,15 +75,20 @@ def imprint_of(clip: Clip) -> Imprint:
     view = contact_view([_energy(image) for image in whole])
     seen = [_cut(image, view) for image in whole]
     height = max(round(VIEW_SIDE / aspect), 8)
+    bare = without_dots(clip.background)
+    moving, is_dotted = seen, bare is not clip.background
+    if is_dotted:
+        moving = [_cut(_residual(frame, bare, filled), view) for frame in frames]
     green = [
         cv2.resize(cv2.extractChannel(part, 1), (VIEW_SIDE, height), interpolation=cv2.INTER_AREA)
-        for part in seen
+        for part in moving
     ]
     cells = [area_means(part, RELIEF_SIDE) for part in seen]
     lights = lights_of(cells, aspect)
     cells, relief = _under_usual_lights(cells, lights, aspect)
     view = replace(view, picture_height_px=filled[0], picture_width_px=filled[1])
-    return Imprint(green, cells, relief, lights.shade_relief, view, places, aspect)
+    is_shaded = lights.shade_relief and not is_dotted
+    return Imprint(green, cells, relief, is_shaded, view, places, aspect)
 
 
 def area_means(values: NDArray[Any], side: int) -> NDArray[Any]:

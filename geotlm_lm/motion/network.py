@@ -235,7 +235,8 @@ def mixed(values: Tensor, noise: Tensor, gate: Tensor) -> Mixed:
     off = (values - value[:, None]).square().mean(dim=2)
     # What they share is no independent noise: the mean is no surer than those it is made of.
     own = (weights[..., None] * noise).sum(dim=1)
-    return Mixed(value, (weights * off).sum(dim=1).sqrt(), own, shares, alike, weights)
+    spread = ((weights * off).sum(dim=1) + 1e-8).sqrt()
+    return Mixed(value, spread, own, shares, alike, weights)
 
 
 class MotionNetwork(nn.Module):

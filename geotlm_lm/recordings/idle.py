@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.alignment.dots import ACTIVITY_WIDTH, activity_grey, filled, is_marked, shrunk
 from geotlm_lm.core.clip import Clip, Frames
 
 POLYNOMIAL_DEGREE = 6
@@ -24,9 +25,6 @@ FIT_SCALE = 4.0
 
 FIT_FRAMES = 8
 """Frames the shading is fitted on at most; more of them add time, not pixels off the imprint."""
-
-ACTIVITY_WIDTH = 80
-"""Columns of the grey image that contact and change are measured on."""
 
 LOST_SHARE = 0.2
 """Share of a change that may be structure the leading frames lost. What touches an idle gel only
@@ -48,7 +46,7 @@ def estimate_background(frames: Frames) -> Frames:
     """
     rows, columns = frames.shape[1:3]
     chosen = np.unique(np.linspace(0, len(frames) - 1, FIT_FRAMES).round().astype(int))
-    small = np.stack([_shrink(frames[index], FIT_WIDTH) for index in chosen]).astype(np.float32)
+    small = np.stack([shrunk(frames[index], FIT_WIDTH) for index in chosen]).astype(np.float32)
     small_rows, small_columns = small.shape[1:3]
     across, down = _powers(small_columns), _powers(small_rows)
     basis = np.einsum("ri,cj->rcij", down, across).reshape(small_rows * small_columns, -1)
@@ -90,34 +88,6 @@ def find_idle(clip: Clip, grey: NDArray[np.float32] | None = None) -> Frames | N
         return None
     picked = places[np.unique(np.linspace(0, len(places) - 1, 9).round().astype(int))]
     return np.median(clip.frames[picked], axis=0).astype(np.uint8)
-
-
-def is_marked(grey: NDArray[np.float32]) -> bool:
-    """Tell whether the gel shows dots or a print all over, from images as of `activity_grey`.
-
-    What a disc of `DOT_PX` fills is looked at in the median of the images, where an object that
-    moves drops out, in each of 5 x 5 fields: three quarters of them must have some.
-    """
-    image = cv2.GaussianBlur(np.median(grey, axis=0), (0, 0), MARKED_SIGMA)
-    fields = (np.array_split(row, 5, axis=1) for row in np.array_split(_fill(image) - image, 5))
-    strongest = [float(field.max()) for row in fields for field in row]
-    return float(np.quantile(strongest, 0.25)) > MARKED_GREY
-
-
-DOT_PX = 7
-"""Pixels of the activity image (80 columns) that a dot is smaller than: 28 of a frame of 320."""
-
-MARKED_SIGMA, MARKED_GREY = 0.7, 10.0
-"""Pixels of the activity image that noise is finer than; grey levels from which fields have dots.
-Of 711 single frames and windows of four of 237 real recordings of unmarked gels, most of them
-touched, none has more than 4.6 (of 30 simulated objects 6.5); of 381 of 127 of marked ones, three
-kinds, none less than 16.7 (simulated 20.8)."""
-
-
-def _fill(image: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return an image without its dark dots, wherever a touch has moved them to."""
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (DOT_PX, DOT_PX))
-    return cv2.morphologyEx(image, cv2.MORPH_CLOSE, disc)
 
 
 def _plain_idle(grey: NDArray[np.float32]) -> NDArray[np.int64]:
@@ -208,7 +178,7 @@ def texture(pictures: NDArray[np.generic]) -> NDArray[np.float32]:
     fine, coarse = TEXTURE_SIGMAS
     looks = []
     for picture in pictures:
-        image = _fill(picture.astype(np.float32))
+        image = filled(picture.astype(np.float32))
         band = cv2.GaussianBlur(image, (0, 0), fine) - cv2.GaussianBlur(image, (0, 0), coarse)
         looks.append(np.clip(band, -TEXTURE_GREY, TEXTURE_GREY))
     return np.stack(looks)
@@ -231,17 +201,7 @@ def texture_lost(idle: NDArray[np.generic], touched: NDArray[np.generic]) -> flo
 
 def activity_colours(frames: NDArray[np.generic]) -> NDArray[np.float32]:
     """Return the frames in colour, `ACTIVITY_WIDTH` columns wide, shape (t, rows, columns, 3)."""
-    return np.stack([_shrink(frame, ACTIVITY_WIDTH).astype(np.float32) for frame in frames])
-
-
-def activity_grey(frames: Frames) -> NDArray[np.float32]:
-    """Return the frames in grey, `ACTIVITY_WIDTH` columns wide, shape (t, rows, columns)."""
-    return np.stack(
-        [
-            cv2.cvtColor(_shrink(frame, ACTIVITY_WIDTH), cv2.COLOR_RGB2GRAY).astype(np.float32)
-            for frame in frames
-        ]
-    )
+    return np.stack([shrunk(frame, ACTIVITY_WIDTH).astype(np.float32) for frame in frames])
 
 
 def _leading_idle(grey: NDArray[np.float32]) -> int:
@@ -307,13 +267,6 @@ def _rms_from(reference: NDArray[np.float32], grey: NDArray[np.float32]) -> NDAr
     blocks = (grey[start : start + BLOCK] - reference for start in range(0, len(grey), BLOCK))
     centred = (block - block.mean(axis=(1, 2), keepdims=True) for block in blocks)
     return np.concatenate([np.sqrt(np.square(block).mean(axis=(1, 2))) for block in centred])
-
-
-def _shrink(frame: Frames, width: int) -> Frames:
-    rows, columns = frame.shape[:2]
-    width = min(width, columns)
-    height = max(round(rows * width / columns), 4)
-    return cv2.resize(frame, (width, height), interpolation=cv2.INTER_AREA)
 
 
 def _powers(count: int) -> NDArray[np.float32]:

@@ -13,14 +13,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.alignment.dots import activity_grey, is_marked
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings.idle import (
     FAINT_IMPRINT,
     activity_colours,
-    activity_grey,
     band_pass,
-    is_marked,
     lost_share,
     texture_lost,
 )

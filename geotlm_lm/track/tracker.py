@@ -13,16 +13,15 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.alignment.dots import activity_grey, is_marked
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.recordings.idle import (
     CONTACT_UNKNOWN,
     FAINT_IMPRINT,
-    activity_grey,
     estimate_background,
     find_idle,
     imprints_of,
-    is_marked,
     strength_of,
 )
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of

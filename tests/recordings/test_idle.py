@@ -6,14 +6,9 @@ import cv2
 import numpy as np
 import pytest
 
+from geotlm_lm.alignment.dots import activity_grey, is_marked
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.recordings.idle import (
-    REST_FRAMES,
-    activity_grey,
-    estimate_background,
-    find_idle,
-    is_marked,
-)
+from geotlm_lm.recordings.idle import REST_FRAMES, estimate_background, find_idle
 from geotlm_lm.recordings.read import read_clip
 from tests.recordings.dotted import COLUMNS, ROWS, dotted, dotted_recording, shading
 
