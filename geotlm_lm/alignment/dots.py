@@ -55,6 +55,7 @@ def filled(image: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 def shrunk(frame: Frames, width: int) -> Frames:
+    """Return a frame that many columns wide, unless it is narrower already."""
     rows, columns = frame.shape[:2]
     width = min(width, columns)
     height = max(round(rows * width / columns), 4)
