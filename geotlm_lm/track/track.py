@@ -3,12 +3,16 @@
 Axes, signs and units are those of `core.twist`: clockwise, right, down and into the gel positive;
 degrees, pixels of the 224-pixel square, mm. Travel is that of the middle of the contact. What it
 comes to as a whole is one Belief, and four frames that show it best.
+
+The events are the decision: what moves is what they say moves. Steps outside a component's events
+are noise that is not told from rest; they widen the spread and move nothing. So the sums, curves
+and rates of a track are those of its events, and its net way is never longer than its path.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from statistics import NormalDist
 from typing import Any
@@ -19,9 +23,21 @@ from numpy.typing import NDArray
 from geotlm_lm.core.errors import UsageError, require_inside
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import COMPONENTS, COUNTING_PX, WAYS, Component, Twist
+from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
 from geotlm_lm.motion.belief import PX_PER_MM, Belief
-from geotlm_lm.track.events import ENDS, MOVING, SYSTEMATIC, Event, EventKind, Span, amount_of
+from geotlm_lm.track.events import (
+    COLUMNS,
+    MOVING,
+    SIGNIFICANT,
+    STEPS,
+    SYSTEMATIC,
+    Event,
+    EventKind,
+    Span,
+    amount_of,
+    floor_of,
+    noise_of,
+)
 
 Floats = NDArray[np.float64]
 
@@ -39,8 +55,11 @@ EDGE_FRAMES = 3
 CLOCKWISE = {1: Motion.CLOCKWISE, -1: Motion.COUNTERCLOCKWISE}
 INWARD = {1: Motion.PRESS, -1: Motion.RELEASE}
 
-_SYSTEMATIC_OF, _ENDS_OF = np.array([SYSTEMATIC, ENDS])[:, [0, 1, 1, 2]]
+_SYSTEMATIC_OF, _STEPS_OF = np.array([SYSTEMATIC, STEPS])[:, [0, 1, 1, 2]]
 """Of each number of a twist: a slide has two."""
+
+UNSEEN = 0.02
+"""Probability that a component moves of which no event was found."""
 
 _ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px")
 _WAYS = ("turn_deg", "right_px", "down_px", "inward_mm")
@@ -55,13 +74,15 @@ class Track:
     contact: Floats  # probability that something touches, (n,)
     strength_grey: Floats  # strength of the imprint, grey levels (rms), (n,)
     # motion from the frame before to each frame: turn, right, down, inward, (n, 4); zeros in the
-    # first and wherever nothing touches
+    # first and outside the events of each component
     twists: Floats
     covariances: Floats  # what each step adds to the doubt of the way, (n, 4, 4)
     radius_px: Floats  # radius of the contact, (n,); 0 where nothing touches
     events: tuple[Event, ...]  # what happened, by when it began
     frame_size: tuple[int, int]  # rows and columns of the recording's frames
     notes: tuple[str, ...] = ()  # what was amiss, one sentence each
+    # whether the gel's untouched look is known, without which nothing tells contact
+    is_contact_known: bool = True
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -80,7 +101,26 @@ class Track:
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
         own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
-        return np.sqrt(own + np.square(_SYSTEMATIC_OF * self.path_from_start))
+        way = self.path_from_start
+        return np.sqrt(np.square(_STEPS_OF) * own + np.square(_SYSTEMATIC_OF * way))
+
+    @property
+    def middle_radius_px(self) -> float:
+        """Radius of the contact, its median over the frames that have one; 0 without any."""
+        radii = self.radius_px[self.radius_px > 0]
+        return float(np.median(radii)) if len(radii) else 0.0
+
+    @property
+    def limits(self) -> Mapping[Component, float]:
+        """What is the least path of each component that would be an event: pixels, of a press mm.
+
+        Over all of the track; what goes faster is seen from less on.
+        """
+        own, radius = self.covariances.sum(axis=0), max(self.middle_radius_px, 1.0)
+        limits = {
+            component: SIGNIFICANT * noise_of(component, own, radius) for component in COMPONENTS
+        }
+        return limits | {Component.TURN: math.radians(limits[Component.TURN]) * radius}
 
     @property
     def is_touched(self) -> NDArray[np.bool_]:
@@ -119,7 +159,7 @@ class Track:
         A turn is clockwise positive, a press inward; a slide is the length of `net_twist`.
         """
         twist, own = self.twists.sum(axis=0), self.covariances.sum(axis=0)
-        return amount_of(component, twist, own)
+        return amount_of(component, twist, own, self.middle_radius_px)
 
     @property
     def net_twist(self) -> Twist:
@@ -127,10 +167,7 @@ class Track:
         return Twist(*map(float, self.twists.sum(axis=0)))
 
     def path(self, component: Component) -> Span:
-        """Return how far it went there and back, all together: the sum of its events' ways.
-
-        What is less than an event does not count: the noise of a gel at rest adds up to any path.
-        """
+        """Return how far it went there and back, all together: the sum of its events' ways."""
         ways = [event.amount for event in self.of(component)]
         mean = sum(abs(way.mean) for way in ways)
         # What is systematic is so in all of them.
@@ -165,10 +202,14 @@ class Track:
         path, own = self.path_from_start, np.diagonal(self.covariances, axis1=1, axis2=2)
         own = np.cumsum(own, axis=0)
         way, doubt = path[late] - path[early], own[late] - own[early]
-        off = np.square(_SYSTEMATIC_OF * way) + np.square(_ENDS_OF)
+        off = np.square(_SYSTEMATIC_OF * way) + np.square(self._floors())
         touched = np.concatenate([[0], np.cumsum(self.is_touched)])
         is_free = touched[late + 1] == touched[early]
-        return way / seconds, np.where(is_free[:, None], 0.0, np.sqrt(doubt + off) / seconds)
+        return way / seconds, np.where(is_free[:, None], 0.0, np.sqrt(np.square(_STEPS_OF) * doubt + off) / seconds)
+
+    def _floors(self) -> Floats:
+        turn, slide, press = (floor_of(one, self.middle_radius_px) for one in COMPONENTS)
+        return np.array([turn, slide, slide, press])
 
     def contacts(self) -> tuple[tuple[float, float], ...]:
         """Return from when to when something touched, seconds, one pair for each touch."""
@@ -214,8 +255,60 @@ class Track:
             begin_s=float(self.times_s[a]),
             end_s=float(self.times_s[b]),
             twist=Twist(*map(float, twist)),
-            amount=amount_of(event.component, twist, own) if event.component else event.amount,
+            amount=self._amount(event, twist, own, float(self.radius_px[b])),
         )
+
+
+    @staticmethod
+    def _amount(event: Event, twist: Floats, own: Floats, radius_px: float) -> Span:
+        if event.component is None:
+            return event.amount
+        return amount_of(event.component, twist, own, radius_px)
+
+
+def decided(track: Track, events: Iterable[Event], going_on: Mapping[Component, int]) -> Track:
+    """Return a track of raw steps as its events have it; see the module.
+
+    Args:
+        track: With the steps as measured.
+        events: What happened.
+        going_on: At which place a leg begins that is not over yet, of each component that has one.
+    """
+    ordered = tuple(sorted(events, key=lambda event: (event.begin, event.end)))
+    cut = replace(track, events=ordered)
+    twists, covariances = np.zeros_like(track.twists), track.covariances.copy()
+    for component in COMPONENTS:
+        part, inside = COLUMNS[component], np.zeros(len(track), bool)
+        for event in cut.of(component):
+            begin, end = np.searchsorted(track.numbers, [event.begin, event.end])
+            inside[begin + 1 : end + 1] = True
+        if component in going_on:
+            inside[going_on[component] + 1 :] = True
+        twists[inside, part] = track.twists[inside, part]
+        for rest in _runs(~inside):
+            creep = track.twists[rest, part].sum(axis=0)
+            covariances[rest, part, part] += np.outer(creep, creep) / len(covariances[rest])
+    contact = _contact_of(cut)
+    return replace(cut, twists=twists, covariances=covariances, contact=contact)
+
+
+def _runs(held: NDArray[np.bool_]) -> list[slice]:
+    """Return the stretches in which something holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], held, [0]])))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _contact_of(track: Track) -> Floats:
+    """Return how sure contact is in each frame, likelier than not between touch and release."""
+    touched = np.zeros(len(track), bool)
+    begin = None
+    for event in track.events:
+        if event.kind is EventKind.TOUCH:
+            begin = event.begin
+            touched[track.numbers >= begin] = True
+        elif event.kind is EventKind.RELEASE and event.is_let_go:
+            touched[track.numbers > event.end] = False
+    return np.where(touched, np.maximum(track.contact, TOUCHED), np.minimum(track.contact, 0.49))
 
 
 def belief_of_track(track: Track, window: Belief) -> Belief:
@@ -223,22 +316,22 @@ def belief_of_track(track: Track, window: Belief) -> Belief:
 
     `window` is the belief of the four frames of `window_of`, which the language model reads.
     """
-    mean, contact = track.net_twist, float(track.contact.max(initial=0.0))
-    radii = track.radius_px[track.radius_px > 0]
-    radius = float(np.median(radii)) if len(radii) else window.radius_px
-    own = track.covariances.sum(axis=0)
-    doubt = np.square(_SYSTEMATIC_OF * track.twists.sum(axis=0)) + np.square(_ENDS_OF)
+    contact = float(track.contact.max(initial=0.0))
+    own = np.outer(_STEPS_OF, _STEPS_OF) * track.covariances.sum(axis=0)
+    doubt = np.square(_SYSTEMATIC_OF * track.twists.sum(axis=0)) + np.square(track._floors())
     ways: dict[Motion, float] = {}
     for component in COMPONENTS:
-        counts = contact * _counts(track, component, radius)
-        ways |= {way: share * counts for way, share in _shares(track, component).items()}
+        moves = contact * _moves(track, component)
+        ways |= {way: share * moves for way, share in _shares(track, component).items()}
     return replace(
         window,
-        mean=mean,
+        mean=track.net_twist,
         covariance=own + np.diag(doubt),
         ways=ways,
         contact=contact,
-        radius_px=radius,
+        radius_px=track.middle_radius_px or window.radius_px,
+        limits=track.limits,
+        is_contact_known=track.is_contact_known,
     )
 
 
@@ -300,21 +393,13 @@ def _shortened(track: Track, first: int, last: int) -> tuple[int, int]:
     return max(math.floor(middle - half), first), min(math.ceil(middle + half), last)
 
 
-def _counts(track: Track, component: Component, radius_px: float) -> float:
-    """Return how probable it is that a component counts in a track that is touched."""
+def _moves(track: Track, component: Component) -> float:
+    """Return how probable it is that a component moves in a track that is touched."""
     events = [event for event in track.of(component) if event.component is component]
     if component is Component.PRESS:
         # What begins or ends contact is a touch or a release and no press.
         events = [event for event in events if not _is_edge(track, event)]
-    if events:
-        return max(event.probability for event in events)
-    if component is Component.PRESS:
-        return 0.0
-    net = track.net(component)
-    least = math.degrees(COUNTING_PX / max(radius_px, 1.0))
-    bound = least if component is Component.TURN else COUNTING_PX
-    bell = NormalDist(abs(net.mean), max(net.deviation, 1e-6))
-    return min(1 - bell.cdf(bound), 0.5)
+    return max((event.probability for event in events), default=UNSEEN)
 
 
 def _is_edge(track: Track, event: Event) -> bool:
@@ -329,9 +414,8 @@ def _is_edge(track: Track, event: Event) -> bool:
 
 def _shares(track: Track, component: Component) -> dict[Motion, float]:
     """Return the probability of each way of a component, given that it counts."""
-    twist, own = track.twists.sum(axis=0), track.covariances.sum(axis=0)
     if component is Component.SLIDE:
-        return _quarters(twist[1:3], math.sqrt(float(np.trace(own[1:3, 1:3])) / 2 + ENDS[1] ** 2))
+        return _quarters(track.twists.sum(axis=0)[1:3], track.net(component).deviation)
     net, events = track.net(component), track.of(component)
     mean = net.mean
     if component is Component.PRESS and events:

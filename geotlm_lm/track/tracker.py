@@ -27,7 +27,7 @@ from geotlm_lm.track.events import Event, EventFinder, Moment
 from geotlm_lm.track.exposure import IdleTracker
 from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
-from geotlm_lm.track.track import Track
+from geotlm_lm.track.track import Track, decided
 
 LET_GO = 0.8
 """Share of the faintest imprint below which contact ends: it begins at that itself."""
@@ -121,9 +121,8 @@ class Tracker:
     def so_far(self) -> Track:
         """The track as far as it is settled: to the end of the last event, or half a second ago."""
         shape = (0, 0) if self._before is None else self._before.shape[:2]
-        events = sorted(self._events, key=lambda event: (event.begin, event.end))
-        return Track(**self._table.arrays(), events=tuple(events), frame_size=shape,
-                     notes=self._notes())  # fmt: skip
+        raw = Track(**self._table.arrays(), events=(), frame_size=shape, notes=self._notes())
+        return decided(raw, self._events, self._finder.going_on)
 
     def feed(self, frame: Frames, time_s: float, number: int | None = None) -> list[Event]:
         """Take in the next frame and return the events that are over.
