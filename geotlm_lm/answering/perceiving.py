@@ -19,7 +19,9 @@ from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.block import believer
-from geotlm_lm.track.track import Track, belief_of_track, window_of
+from geotlm_lm.track.short import Whole
+from geotlm_lm.track.summed import belief_of_track
+from geotlm_lm.track.track import Track, window_of
 from geotlm_lm.track.tracker import Tracker, track_of
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
@@ -73,7 +75,8 @@ def perceive_clip(bundle: Bundle, clip: Clip) -> Encoded:
 
 def track_recording(bundle: Bundle, clip: Clip, progress: Progress = silent) -> Track:
     """Return the track of a recording in memory; its idle gel is found, learnt or guessed."""
-    return track_of(clip, believer(bundle.model, bundle.motion), progress=progress)
+    believe, whole = believer(bundle.model, bundle.motion), _whole(bundle, clip)
+    return track_of(clip, believe, whole=whole, progress=progress)
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
@@ -81,7 +84,19 @@ def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
     return Tracker(
         believer(bundle.model, bundle.motion),
         idle=None if clip is None else with_idle(clip).background,
+        whole=_whole(bundle, clip),
     )
+
+
+def _whole(bundle: Bundle, recording: Clip | None) -> Whole:
+    """Return what makes the belief of a clip beside the idle gel that came with its recording."""
+
+    def whole(clip: Clip) -> Belief:
+        if recording is not None:
+            clip = replace(clip, background=recording.background)
+        return belief_of(bundle, perceive_clip(bundle, clip))
+
+    return whole
 
 
 def perceive_recording(

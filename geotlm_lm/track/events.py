@@ -1,8 +1,7 @@
 """What happens in a track: touch, press, turn, slide, stick, slip, release; all defined here.
 
-Events are found while the frames come, some tenths of a second late: whether a motion is over, or
-whether it counts at all, shows only afterwards. Each component of the way is cut into legs, which
-go one way between rests and ways back; a leg that goes far enough is an event.
+Each component of the way is cut into legs, which go one way between rests and ways back; a leg that
+is no noise is an event, however short it is.
 """
 
 from __future__ import annotations
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
+from geotlm_lm.track.legs import SIGNIFICANT, Leg, Legs, Point
 
 Floats = NDArray[np.float64]
 
@@ -26,17 +26,14 @@ SYSTEMATIC = (0.16, 0.16, 0.25)
 """Share of a turn, a slide and a press that is doubted beside what is measured step by step: what
 the pad holds back, it holds back in every step."""
 
-FLOOR_PX, FLOOR_MM = 0.13, 0.06
+FLOOR_PX, FLOOR_MM = 0.15, 0.06
 """Deviation of any leg, however short: of a turn as a path at the contact's radius."""
 
-STEPS = (0.12, 0.12, 0.7)
+STEPS = (0.15, 0.2, 0.45)
 """Deviation of a turn's, a slide's and a press's leg per formal one of its steps. Key frames keep
 the steps' errors from adding up, the model's belief of a depth does not: 59 real imprints held for
 1.7 s over their own idle frames wander by 0.11, 0.12 and 0.26 formal ones (median), 0.21, 0.27 and
 1.1 in 95 of 100."""
-
-SIGNIFICANT = 2.6
-"""Deviations from which on a leg is a motion: of a bell one in a hundred lies beyond."""
 
 COLUMNS = {Component.TURN: slice(0, 1), Component.SLIDE: slice(1, 3), Component.PRESS: slice(3, 4)}
 """Where a component stands in a twist of four numbers."""
@@ -62,6 +59,11 @@ class Span:
         """Upper end."""
         return self.mean + SPAN_DEVIATIONS * self.deviation
 
+    @property
+    def is_clear(self) -> bool:
+        """Whether it keeps off zero."""
+        return self.low > 0 or self.high < 0
+
     def holds(self, truth: float) -> bool:
         """Tell whether a true amount lies inside."""
         return self.low <= truth <= self.high
@@ -79,6 +81,11 @@ def noise_of(component: Component, covariance: Floats, radius_px: float) -> floa
     )
 
 
+def chance_of_moving(amount: float, noise: float) -> float:
+    """Return how probable it is that a leg is no noise, given its amount and the noise's spread."""
+    return math.erf(abs(amount) / max(noise, 1e-9) / math.sqrt(2))
+
+
 def floor_of(component: Component, radius_px: float) -> float:
     """Return the deviation of a leg of no length, in the component's unit."""
     if component is Component.TURN:
@@ -86,157 +93,13 @@ def floor_of(component: Component, radius_px: float) -> float:
     return FLOOR_PX if component is Component.SLIDE else FLOOR_MM
 
 
-def amount_of(
-    component: Component, twist: Floats, covariance: Floats, radius_px: float
-) -> Span:
+def amount_of(component: Component, twist: Floats, covariance: Floats, radius_px: float) -> Span:
     """Return how far a component goes in a twist (4,) with the covariance (4, 4) of its steps."""
     way = twist[COLUMNS[component]]
     far = float(np.linalg.norm(way))
     systematic = SYSTEMATIC[COMPONENTS.index(component)] * far
     deviation = math.hypot(noise_of(component, covariance, radius_px), systematic)
     return Span(far if component is Component.SLIDE else float(way[0]), deviation)
-
-
-REST_S = 0.24
-"""Time without progress that ends a leg."""
-
-RESTING, RESTING_SPEED = 0.25, 0.05
-"""Progress at rest: share of what is significant, and share of the leg's own mean speed."""
-
-EDGE = 0.5
-"""Share of what is significant up to which a path is at its beginning, and from its end on at its
-end."""
-
-MOST_POINTS = 256
-"""Of a leg, or of a rest, that are kept, its ends whole."""
-
-
-@dataclass(frozen=True, eq=False)
-class Point:
-    """A place of the path: which it is, when, and where, (d,), and what noise adds up to there."""
-
-    place: int
-    time_s: float
-    at: Floats
-    variance: float = 0.0  # by noise, summed since the first frame
-    floor: float = 0.0  # deviation of any leg that ends here
-
-
-@dataclass(frozen=True)
-class Leg:
-    """The places at which a leg begins and ends."""
-
-    begin: int
-    end: int
-
-
-def significant(before: Point, after: Point) -> float:
-    """Return how far it is at the least from one point to another if that is no noise."""
-    own = max(after.variance - before.variance, 0.0)
-    return SIGNIFICANT * math.sqrt(after.floor**2 + own)
-
-
-def _far(before: Point, after: Point) -> float:
-    return float(np.linalg.norm(after.at - before.at))
-
-
-def _thinned(points: list[Point]) -> list[Point]:
-    quarter = MOST_POINTS // 4
-    if len(points) <= MOST_POINTS:
-        return points
-    return [*points[:quarter], *points[quarter:-quarter:2], *points[-quarter:]]
-
-
-class Legs:
-    """Finds the legs of one path, a point at a time.
-
-    A leg begins where the path leaves significantly, and ends where it rests or has come back, or
-    aside, from its farthest point significantly.
-    """
-
-    def __init__(self) -> None:
-        self._recent: list[Point] = []
-        self._leg: list[Point] = []
-        self._reach = 0.0
-
-    @property
-    def begun(self) -> int | None:
-        """Place at which the leg that is not over yet began; None at rest."""
-        return self._leg[0].place if self._leg else None
-
-    @property
-    def places(self) -> set[int]:
-        """Places at which a leg may begin or end yet."""
-        return {point.place for point in (*self._recent, *self._leg)}
-
-    def push(self, point: Point) -> list[Leg]:
-        """Take in the next point and return the leg that it ends, if any."""
-        self._recent = _thinned([*self._recent, point])
-        if not self._leg:
-            self._begin(point)
-            return []
-        first, far = self._leg[0], self._leg[-1]
-        way, reached = point.at - far.at, _far(first, point)
-        if float(way @ self._heading()) > 0 and reached > self._reach - significant(far, point):
-            self._leg = _thinned([*self._leg, point])
-            self._reach = max(self._reach, reached)
-        elif np.linalg.norm(way) >= significant(far, point):
-            closed = self._closed(after=far.place)
-            self._begin(point)
-            return [closed]
-        return [self._closed()] if self._has_stalled(point.time_s) else []
-
-    def finish(self) -> list[Leg]:
-        """Return the leg that is not over."""
-        return [self._closed()] if self._leg else []
-
-    def _begin(self, point: Point) -> None:
-        past = self._recent
-        beyond = [_far(one, point) / max(significant(one, point), 1e-12) for one in past]
-        start = int(np.argmax(beyond))
-        if beyond[start] >= 1:
-            self._leg, self._reach = past[start:], _far(past[start], point)
-
-    def _closed(self, after: int | None = None) -> Leg:
-        """End the leg; what follows its farthest point may begin the next one."""
-        leg = self._trimmed()
-        keep_from = leg.end if after is None else after
-        self._recent = [past for past in self._recent if past.place >= keep_from]
-        self._leg = []
-        return leg
-
-    def _trimmed(self) -> Leg:
-        """Return the leg without what is no progress yet, or no more."""
-        first, last = self._leg[0], self._leg[-1]
-        way = last.at - first.at
-        far = max(float(np.linalg.norm(way)), 1e-12)
-        done = [float((past.at - first.at) @ way) / far for past in self._leg]
-        edge = min(EDGE * SIGNIFICANT * last.floor, far / 4)
-        begin = max(k for k, one in enumerate(done) if one <= edge)
-        end = min(k for k, one in enumerate(done) if one >= far - edge)
-        return Leg(self._leg[begin].place, self._leg[max(end, begin + 1)].place)
-
-    def _heading(self) -> Floats:
-        """Return the way the leg has gone lately, of length 1."""
-        far = self._leg[-1]
-        for past in reversed(self._leg[:-1]):
-            if _far(past, far) >= significant(past, far):
-                break
-        else:
-            past = self._leg[0]
-        way = far.at - past.at
-        return way / max(float(np.linalg.norm(way)), 1e-12)
-
-    def _has_stalled(self, now_s: float) -> bool:
-        first, last = self._leg[0], self._leg[-1]
-        least, speed = significant(first, last), self._reach / max(now_s - first.time_s, 1e-9)
-        # What creeps is given the time that it takes to go anywhere.
-        window = max(REST_S, least / max(speed, 1e-12))
-        earlier = [past for past in self._leg if past.time_s <= now_s - window]
-        if not earlier:
-            return False
-        gained = float((last.at - earlier[-1].at) @ self._heading())
-        return gained < max(RESTING * least, RESTING_SPEED * speed * window)
 
 
 class EventKind(StrEnum):
@@ -276,7 +139,8 @@ TOUCH_S = 0.15
 """Time that contact must last to be a touch: a lamp, or a codec that starts sharp, is shorter."""
 
 LEAK = 0.25
-"""Share of a slide that may be read as a turn, as a path at the contact's radius, too."""
+"""Share of a slide that may be read as a turn, as a path at the contact's radius, and of a turn as
+a slide: step by step of either, and of all of a slide."""
 
 KEPT = 512
 """Moments kept at the least: more than a rest is looked back over."""
@@ -296,6 +160,8 @@ class Event:
     probability: float  # that it happened
     component: Component | None = None  # what of the motion it is of; None of a touch or a stick
     is_let_go: bool = False  # whether contact ends with it
+    # numbers of the frames from and to which it creeps besides; the amount is that of all of it
+    creeps: tuple[int, int] | None = None
 
     @property
     def motion(self) -> Motion:
@@ -305,6 +171,11 @@ class Event:
         if self.kind is EventKind.STICK:
             return Motion.STILL
         return self.twist.way(self.component)
+
+    @property
+    def is_of_contact(self) -> bool:
+        """Whether nobody can tell it who does not know the untouched gel."""
+        return self.kind is EventKind.TOUCH or self.component is Component.PRESS
 
     @property
     def seconds(self) -> float:
@@ -334,7 +205,7 @@ class EventFinder:
         self._legs: dict[Component, Legs] = {}
         self._touched: Moment | None = None
         self._last: Moment | None = None
-        self._free_since = 0
+        self._free_since, self._surest, self._leaked = 0, 0.0, np.zeros(len(COMPONENTS))
         self._waiting: list[Event] = []
 
     def push(self, moment: Moment) -> list[Event]:
@@ -344,8 +215,11 @@ class EventFinder:
         if moment.is_touched:
             if self._touched is None:
                 self._touch(moment)
+            self._surest = max(self._surest, moment.contact)
+            if self._last is not None and self._last.is_touched:
+                self._leaked = self._leaked + _leaked(self._last, moment)
             for component, legs in self._legs.items():
-                for leg in legs.push(_point(component, moment)):
+                for leg in legs.push(_point(component, moment, self._leaked)):
                     self._waiting += self._over(component, leg)
             if moment.time_s - self._touched.time_s >= TOUCH_S:
                 events, self._waiting = self._waiting, []
@@ -360,7 +234,7 @@ class EventFinder:
         return [] if self._touched is None else self._closed(self._last)
 
     def _touch(self, moment: Moment) -> None:
-        self._touched, self._free_since = moment, moment.place
+        self._touched, self._free_since, self._surest = moment, moment.place, 0.0
         self._legs = {component: Legs() for component in COMPONENTS}
         self._waiting = [self._event(EventKind.TOUCH, moment, moment)]
 
@@ -372,20 +246,32 @@ class EventFinder:
         return [self._event(EventKind.STICK, since, end)]
 
     def _over(self, component: Component, leg: Leg) -> list[Event]:
+        first, last = self._moments[leg.creeps_from], self._moments[leg.creeps_to]
         begin, end = self._moments[leg.begin], self._moments[leg.end]
-        way = float((end.way - begin.way)[3])
         kinds = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
-        kind = kinds.get(component, EventKind.PRESS if way > 0 else EventKind.RELEASE)
-        moved = self._event(kind, begin, end, component)
-        if not _is_significant(moved, begin, end):
+        is_deeper = last.way[3] > first.way[3]
+        kind = kinds.get(component, EventKind.PRESS if is_deeper else EventKind.RELEASE)
+        moved = self._event(kind, first, last, component)
+        if not _is_significant(moved, first, last):
             return []
+        moved = replace(moved, begin=begin.number, end=end.number, begin_s=begin.time_s,
+                        end_s=end.time_s, creeps=(first.number, last.number))  # fmt: skip
         # A rest ends where the leg begins, or one that is not over yet.
         until = min([leg.begin, *self._moving_since()])
         stick = [] if component is Component.PRESS else self._stick(until)
         is_slip = stick and stick[0].end == begin.number
-        slip = [self._event(EventKind.SLIP, begin, end, component)] if is_slip else []
+        slip = [replace(moved, kind=EventKind.SLIP)] if is_slip else []
         self._free_since = max(self._free_since, leg.end)
         return [*stick, moved, *slip]
+
+    @property
+    def way_going_on(self) -> Floats:
+        """Way of the legs that are not over yet, (4,)."""
+        way = np.zeros(4)
+        for component, place in self.going_on.items():
+            part = COLUMNS[component]
+            way[part] = self._last.way[part] - self._moments[place].way[part]
+        return way
 
     @property
     def going_on(self) -> dict[Component, int]:
@@ -404,30 +290,35 @@ class EventFinder:
             for leg in legs.finish():
                 over = self._over(component, leg)
                 if is_let_go and over and over[0].kind is EventKind.RELEASE:
-                    lifting = leg.begin
+                    lifting = over[0]
                     continue
                 events += over
         if not moving:
             events += self._stick(last.place)
         if is_let_go:
-            begin = last if lifting is None else self._moments[lifting]
-            let_go = self._event(EventKind.RELEASE, begin, last, Component.PRESS)
-            events.append(replace(let_go, is_let_go=True, probability=max(begin.contact, last.contact)))
+            events.append(self._let_go(last, lifting))
         is_touch = last.time_s - self._touched.time_s >= TOUCH_S
         events, self._waiting = [*self._waiting, *events], []
         self._touched, self._legs = None, {}
         return events if is_touch else []
 
+    def _let_go(self, last: Moment, lifting: Event | None) -> Event:
+        """Return the release that contact ends with, and that lifts it if that was seen."""
+        let_go = lifting or self._event(EventKind.RELEASE, last, last, Component.PRESS)
+        ends = {"end": last.number, "end_s": last.time_s, "is_let_go": True}
+        return replace(let_go, **ends, probability=self._surest)
+
     def _event(
         self, kind: EventKind, begin: Moment, end: Moment, component: Component | None = None
     ) -> Event:
         way, own = end.way - begin.way, end.doubt - begin.doubt
-        amount = Span(0.0, 0.0) if component is None else amount_of(component, way, own, end.radius_px)
+        amount = Span(0.0, 0.0)
+        if component is not None and begin is not end:
+            amount = amount_of(component, way, own, end.radius_px)
         ends = (begin.number, end.number, begin.time_s, end.time_s)
         sure = max(begin.contact, end.contact)
         if component is not None:
-            noise = noise_of(component, own, end.radius_px)
-            sure *= math.erf(abs(amount.mean) / noise / math.sqrt(2))
+            sure *= chance_of_moving(amount.mean, noise_of(component, own, end.radius_px))
         return Event(kind, *ends, Twist(*map(float, way)), amount, sure, component)
 
     def _forget(self) -> None:
@@ -441,12 +332,20 @@ class EventFinder:
         self._moments = {k: m for k, m in self._moments.items() if k >= recent[0] or k in held}
 
 
-def _point(component: Component, moment: Moment) -> Point:
+def _leaked(before: Moment, moment: Moment) -> Floats:
+    """Return the variance of what a step's slide is read as a turn, its turn as a slide, (3,)."""
+    radius = max(moment.radius_px, 1.0)
+    turn, right, down, _ = moment.way - before.way
+    as_turn, as_slide = math.hypot(right, down) / radius, math.radians(turn) * radius
+    return np.square(LEAK * np.array([math.degrees(as_turn), as_slide, 0.0]))
+
+
+def _point(component: Component, moment: Moment, leaked: Floats) -> Point:
     part, place = COLUMNS[component], COMPONENTS.index(component)
     own = moment.doubt[part, part]
-    variance = STEPS[place] ** 2 * float(np.trace(own)) / len(own)
+    variance = STEPS[place] ** 2 * float(np.trace(own)) / len(own) + leaked[place]
     floor = floor_of(component, moment.radius_px)
-    return Point(moment.place, moment.time_s, moment.way[part], variance, floor)
+    return Point(moment.place, moment.time_s, moment.way[part], float(variance), floor)
 
 
 def _is_significant(moved: Event, begin: Moment, end: Moment) -> bool:

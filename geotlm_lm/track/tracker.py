@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import astuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.recordings.idle import (
     FAINT_IMPRINT,
@@ -23,10 +25,11 @@ from geotlm_lm.recordings.idle import (
     strength_of,
 )
 from geotlm_lm.track.block import Believe, Block, Row
-from geotlm_lm.track.events import Event, EventFinder, Moment
+from geotlm_lm.track.events import COLUMNS, Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
 from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
+from geotlm_lm.track.short import Shown, Whole, track_of_clip
 from geotlm_lm.track.track import Track, decided
 
 LET_GO = 0.8
@@ -90,10 +93,21 @@ class Tracker:
         believe: The model's belief of four frames (`block.believer`); None measures only: the depth
             is not known then.
         idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
+        whole: The belief of a clip, by which a recording of four frames or fewer is told; None
+            measures it as any other.
     """
 
-    def __init__(self, believe: Believe | None = None, *, idle: Frames | None = None) -> None:
+    def __init__(
+        self,
+        believe: Believe | None = None,
+        *,
+        idle: Frames | None = None,
+        whole: Whole | None = None,
+    ) -> None:
         self._believe, self._idle = believe, IdleTracker(idle)
+        self._whole = whole
+        self._shown: list[Shown] = []
+        self._waiting: list[Event] = []
         self._table, self._finder, self._block = Table(), EventFinder(), Block()
         self._events: list[Event] = []
         self._keys: KeyFrames | None = None
@@ -115,7 +129,12 @@ class Tracker:
 
         The last half second of it is measured alone; the model may correct it yet.
         """
-        return self._table.way + self._block.way
+        way = self._finder.way_going_on + self._block.way
+        for event in self._events:
+            if event.component is not None and event.kind is not EventKind.SLIP:
+                part = COLUMNS[event.component]
+                way[part] += astuple(event.twist)[part]
+        return way
 
     @property
     def so_far(self) -> Track:
@@ -142,6 +161,8 @@ class Tracker:
         if taken_s is None:
             return []
         self._time_s = taken_s
+        if len(self._shown) <= FRAME_COUNT:
+            self._shown.append(Shown(Row(self._number, taken_s, 0.0, 0.0, False), frame))
         exposure = self._idle.follow_exposure(frame)
         if exposure is not None:
             self._stepped.append(self._number)
@@ -153,6 +174,8 @@ class Tracker:
             return []
         row = self._measured(frame)
         self._before = frame
+        if self._is_short:
+            self._shown[-1] = Shown(row, frame)
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
         events = self._settled() if ended else []
         self._block.add(row, frame)
@@ -160,13 +183,25 @@ class Tracker:
             events += self._settled()
             if row.is_touched:
                 self._block.frames = [(row.time_s, frame)]
+        self._waiting += events
+        if self._is_short:
+            return []
+        events, self._waiting = self._waiting, []
         return events
 
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
+        if self._is_short and len(self._shown) > 1:
+            clip = Clip(np.stack([one.frame for one in self._shown]), background=self.idle)
+            return track_of_clip(self._shown, self._whole(clip), self._notes())
         self._settled()
         self._events += self._finder.finish()
         return self.so_far
+
+    @property
+    def _is_short(self) -> bool:
+        """Whether it is a clip of few frames yet, told by what is believed of it as a whole."""
+        return self._whole is not None and len(self._shown) <= FRAME_COUNT
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
@@ -235,6 +270,7 @@ def track_of(
     believe: Believe | None = None,
     *,
     idle: Frames | None = None,
+    whole: Whole | None = None,
     progress: Progress = silent,
 ) -> Track:
     """Return the track of a recording; arguments and errors as of `Tracker`.
@@ -243,13 +279,13 @@ def track_of(
     is told after each frame of a clip.
     """
     if not isinstance(source, Clip):
-        tracker = Tracker(believe, idle=idle)
+        tracker = Tracker(believe, idle=idle, whole=whole)
         for frame, time_s in source:
             tracker.feed(frame, time_s)
         return tracker.finish()
     gel = idle if idle is not None else source.background
     gel = _gel_of(source) if gel is None else gel
-    tracker = Tracker(believe, idle=gel)
+    tracker = Tracker(believe, idle=gel, whole=whole)
     numbered = zip(source.frames, source.frame_numbers, strict=True)
     for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)

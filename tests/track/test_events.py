@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.twist import Component
-from geotlm_lm.track.events import EventFinder, EventKind, Leg, Legs, Moment, Point, amount_of
+from geotlm_lm.track.events import EventFinder, EventKind, Moment, amount_of
+from geotlm_lm.track.legs import Legs, Point
 from tests.track.tracks import FPS, moving_track
 
 FRAMES, RADIUS_PX, COUNT, LEAST = 60, 50.0, 40, 2.5
