@@ -102,7 +102,7 @@ def _events(rows: Sequence[Row], belief: Belief) -> list[Event]:
 
 def _amount(belief: Belief, component: Component) -> Span:
     sign = -1.0 if belief.way(component) in (Motion.COUNTERCLOCKWISE, Motion.RELEASE) else 1.0
-    return Span(sign * belief.amount(component), belief.deviation(component))
+    return Span(sign * float(belief.amount(component)), float(belief.deviation(component)))
 
 
 def _twist(belief: Belief, component: Component) -> Twist:
