@@ -175,7 +175,7 @@ class Event:
     @property
     def is_of_contact(self) -> bool:
         """Whether nobody can tell it who does not know the untouched gel."""
-        return self.kind is EventKind.TOUCH or self.component is Component.PRESS
+        return self.kind not in MOVING
 
     @property
     def seconds(self) -> float:
