@@ -29,7 +29,7 @@ EDGE = 0.15
 NEAR, FAR = 0.1, 0.25
 """Shares of a leg's way through which its beginning and its end are extrapolated."""
 
-MOST_POINTS = 256
+MOST_POINTS = 128
 """Of a leg, or of a rest, that are kept, its ends whole."""
 
 
@@ -61,7 +61,7 @@ def significant(before: Point, after: Point) -> float:
 
 
 def _far(before: Point, after: Point) -> float:
-    return float(np.linalg.norm(after.at - before.at))
+    return math.hypot(*(after.at - before.at))
 
 
 def _thinned(points: list[Point]) -> list[Point]:
@@ -116,7 +116,10 @@ class Legs:
 
     def _begin(self, point: Point) -> None:
         past = self._recent
-        beyond = [_far(one, point) / max(significant(one, point), 1e-12) for one in past]
+        ways = point.at - np.array([one.at for one in past])
+        own = point.variance - np.array([one.variance for one in past])
+        least = SIGNIFICANT * np.sqrt(point.floor**2 + own.clip(min=0)) + 1e-12
+        beyond = np.sqrt(np.square(ways).sum(axis=1)) / least
         start = int(np.argmax(beyond))
         if beyond[start] < 1:
             return
