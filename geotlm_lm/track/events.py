@@ -142,6 +142,9 @@ LEAK = 0.25
 """Share of a slide that may be read as a turn, as a path at the contact's radius, and of a turn as
 a slide: step by step of either, and of all of a slide."""
 
+JERK_S = 0.13
+"""Time below which a leg may be a step that was measured wrong: it must go twice as far."""
+
 KEPT = 512
 """Moments kept at the least: more than a rest is looked back over."""
 
@@ -354,4 +357,5 @@ def _is_significant(moved: Event, begin: Moment, end: Moment) -> bool:
     if moved.component is Component.TURN:
         leak = math.degrees(LEAK * moved.twist.slide_px / max(end.radius_px, 1.0))
         noise = math.hypot(noise, SPAN_DEVIATIONS / SIGNIFICANT * leak)
-    return abs(moved.amount.mean) >= SIGNIFICANT * noise
+    is_jerk = end.time_s - begin.time_s < JERK_S
+    return abs(moved.amount.mean) >= SIGNIFICANT * noise * (2 if is_jerk else 1)
