@@ -288,7 +288,7 @@ class EventFinder:
         return [begun[one] for one in (Component.TURN, Component.SLIDE) if one in begun]
 
     def _closed(self, last: Moment, *, is_let_go: bool = False) -> list[Event]:
-        events, lifting, moving = [], None, self._moving_since()
+        events, lifting = [], None
         for component, legs in self._legs.items():
             for leg in legs.finish():
                 over = self._over(component, leg)
@@ -296,8 +296,7 @@ class EventFinder:
                     lifting = over[0]
                     continue
                 events += over
-        if not moving:
-            events += self._stick(last.place)
+        events += self._stick(last.place)
         if is_let_go:
             events.append(self._let_go(last, lifting))
         is_touch = last.time_s - self._touched.time_s >= TOUCH_S

@@ -50,6 +50,15 @@ def test_what_is_event_depends_on_the_noise_and_no_amount():
     assert slide.amount.is_clear
 
 
+def test_what_is_held_sticks_though_its_last_step_is_measured_wrong():
+    finder, events = EventFinder(), []
+    for k in range(FRAMES):
+        way = np.array([0.0, 0.6, 0.0, 0.0]) * (k == FRAMES - 1)
+        events += finder.push(Moment(k, k, k / 25, 1.0, True, way, np.zeros((4, 4)), RADIUS_PX))
+    kinds = [event.kind for event in events + finder.finish()]
+    assert kinds == [EventKind.TOUCH, EventKind.STICK]
+
+
 def legs_of(path, noise=0.0):
     rng, finder, legs = np.random.default_rng(0), Legs(), []
     for place, value in enumerate(np.asarray(path, float)):
