@@ -261,8 +261,8 @@ class EventFinder:
                         end_s=end.time_s, creeps=(first.number, last.number))  # fmt: skip
         # A rest ends where the leg begins, or one that is not over yet.
         until = min([leg.begin, *self._moving_since()])
-        stick = [] if component is Component.PRESS else self._stick(until)
-        is_slip = stick and stick[0].end == begin.number
+        stick = self._stick(until)
+        is_slip = kind in MOVING and stick and stick[0].end == begin.number
         slip = [replace(moved, kind=EventKind.SLIP)] if is_slip else []
         self._free_since = max(self._free_since, leg.end)
         return [*stick, moved, *slip]
@@ -292,9 +292,8 @@ class EventFinder:
         for component, legs in self._legs.items():
             for leg in legs.finish():
                 over = self._over(component, leg)
-                if is_let_go and over and over[0].kind is EventKind.RELEASE:
-                    lifting = over[0]
-                    continue
+                if is_let_go and over and over[-1].kind is EventKind.RELEASE:
+                    lifting = over.pop()
                 events += over
         events += self._stick(last.place)
         if is_let_go:

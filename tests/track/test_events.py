@@ -59,6 +59,16 @@ def test_what_is_held_sticks_though_its_last_step_is_measured_wrong():
     assert kinds == [EventKind.TOUCH, EventKind.STICK]
 
 
+def test_what_is_held_sticks_until_it_is_lifted():
+    finder, events = EventFinder(), []
+    for k in range(FRAMES):
+        way = np.array([0.0, 0.0, 0.0, np.interp(k, [0, 5, 40, 45], [0.0, 1.0, 1.0, 0.0])])
+        moment = Moment(k, k, k / 25, 1.0, k <= 45, way, np.zeros((4, 4)), RADIUS_PX)
+        events += finder.push(moment)
+    kinds = [event.kind for event in events + finder.finish()]
+    assert kinds == [EventKind.TOUCH, EventKind.PRESS, EventKind.STICK, EventKind.RELEASE]
+
+
 def legs_of(path, noise=0.0):
     rng, finder, legs = np.random.default_rng(0), Legs(), []
     for place, value in enumerate(np.asarray(path, float)):
