@@ -243,16 +243,19 @@ class TrackEvent(TypedDict):
 class Totals(TypedDict):
     """What a track comes to: net is from first to last frame, in all is there and back.
 
-    A net turn is positive clockwise, travel right and down, as the frame tells them.
+    A net turn is positive clockwise, travel right and down, as the frame tells them. A limit is the
+    least that would have been told of a turn, degrees, and of a slide, in its unit.
     """
 
     frames: int
     seconds: float
     touched_s: float | None  # none where contact is not known
     turn_net: Measured
+    turn_limit: float
     turn_in_all: Measured
     turned_back: int
     slide_net: Measured
+    slide_limit: float
     slide_right: float
     slide_down: float
     slide_in_all: Measured

@@ -21,7 +21,9 @@ from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.scene_checks import SceneReport, scene_of
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.block import believer
-from geotlm_lm.track.track import Track, belief_of_track, window_of
+from geotlm_lm.track.short import Whole
+from geotlm_lm.track.summed import belief_of_track
+from geotlm_lm.track.track import Track, window_of
 from geotlm_lm.track.tracker import Tracker, gel_of, track_of
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
@@ -87,7 +89,8 @@ def track_recording(
 
     It is steadied first, or was by the `scene` that is given.
     """
-    return track_of(clip, believer(bundle.model, bundle.motion), progress=progress, scene=scene)
+    believe, whole = believer(bundle.model, bundle.motion), _whole(bundle, clip)
+    return track_of(clip, believe, whole=whole, progress=progress, scene=scene)
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
@@ -95,8 +98,19 @@ def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
     idle, is_known = (None, True) if clip is None else (clip.background, True)
     if clip is not None and idle is None:
         idle, is_known = gel_of(scene_of(clip).steadied(clip))
-    believe = believer(bundle.model, bundle.motion)
-    return Tracker(believe, idle=idle, is_contact_known=is_known)
+    believe, whole = believer(bundle.model, bundle.motion), _whole(bundle, clip)
+    return Tracker(believe, idle=idle, is_contact_known=is_known, whole=whole)
+
+
+def _whole(bundle: Bundle, recording: Clip | None) -> Whole:
+    """Return what makes the belief of a clip beside the idle gel that came with its recording."""
+
+    def whole(clip: Clip) -> Belief:
+        if recording is not None:
+            clip = replace(clip, background=recording.background)
+        return belief_of(bundle, perceive_clip(bundle, clip))
+
+    return whole
 
 
 def perceive_recording(

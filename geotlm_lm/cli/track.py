@@ -185,9 +185,16 @@ def totals_lines(exported: Exported) -> list[str]:
         else (f"touched for {touched_s:.2f} s")
     )
     sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
-    return [
+    turned = (
         f"Turned by {abs(turn['amount']):.0f} degrees {sense} from first to last, "
-        f"{way['amount']:.0f} there and back.",
+        f"{way['amount']:.0f} there and back."
+    )
+    slid = (
         f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there and "
-        f"back; {touched}.",
-    ]
+        f"back"
+    )
+    if not way["amount"]:
+        turned = f"Does not turn by more than {totals['turn_limit']:.2g} degrees."
+    if not far["amount"]:
+        slid = f"Does not slide by more than {totals['slide_limit']:.2g} {unit}"
+    return [turned, f"{slid}; {touched}."]

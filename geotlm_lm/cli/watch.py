@@ -168,8 +168,12 @@ class Watching:
 
     def conclude(self, exported: Exported) -> None:
         """Print the events that the end cuts off, what it all comes to, and how it was kept up."""
-        printed = set(map(id, self._printed))
-        rest = [event for event in exported.track.events if id(event) not in printed]
+        printed = {(event.kind, event.component, event.begin) for event in self._printed}
+        rest = [
+            event
+            for event in exported.track.events
+            if (event.kind, event.component, event.begin) not in printed
+        ]
         self._print(rest, exported.units)
         frames, dropped = self._frames, self._stream.dropped
         frame_ms = round(1e3 * self._busy_s / max(frames, 1), 2)

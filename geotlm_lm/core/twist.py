@@ -91,6 +91,3 @@ def moves(component: Component, path: float) -> bool | None:
     if path >= high:
         return True
     return False if path <= low else None
-
-
-STILL_PX, COUNTING_PX, STILL_MM = 0.4, 1.0, 0.06

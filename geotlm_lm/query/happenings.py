@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from geotlm_lm.core.edit import Edit, opposite
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import COMPONENT_OF, COUNTING_PX, Twist
+from geotlm_lm.core.twist import COMPONENT_OF, Twist
 from geotlm_lm.query import types as t
 from geotlm_lm.query.amounts import Measure, Missing
 from geotlm_lm.query.bounds import measured, meets
@@ -62,9 +62,9 @@ def seen(track: Track, edit: Edit, sized: Sized) -> list[Happening]:
     for event in track.events:
         if event.kind not in TOLD or (edit.backwards and event.kind is EventKind.TOUCH):
             continue
-        path = 0.0 if event.component is None else path_of_event(track, event)
-        if event.component is not None and path < COUNTING_PX:  # a span cut off the rest
+        if event.amount.mean and not event.amount.is_clear:  # a span cut off the rest
             continue
+        path = 0.0 if event.component is None else path_of_event(track, event)
         begin, end, kind = event.begin_s, event.end_s, event.kind
         if edit.backwards:
             begin, end = total - end, total - begin

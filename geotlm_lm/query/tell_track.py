@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from itertools import pairwise
 
@@ -86,10 +87,16 @@ def times_phrase(begin_s: float, end_s: float, recording: Recording) -> str:
 
 
 def moment(time_s: float, recording: Recording) -> str:
-    """Return a time or a duration: "1.2 s", or a frame's number of a recording without a rate."""
-    if recording.rate_hz is not None:
-        return f"{time_s:.1f} s"
-    return f"frame {frames(time_s, recording)}"
+    """Return a time or a duration: "1.24 s", or a frame's number of a recording without a rate.
+
+    No frame is told by the time of another: there are as many decimals as that takes.
+    """
+    if recording.rate_hz is None:
+        return f"frame {frames(time_s, recording)}"
+    step_s = recording.step_s or 1 / recording.rate_hz
+    decimals = max(1, math.ceil(-math.log10(step_s) - 1e-9))
+    whole, part = f"{time_s:.{decimals}f}".split(".")
+    return f"{whole}.{part.rstrip('0') or '0'} s"
 
 
 def frames(time_s: float, recording: Recording) -> int:

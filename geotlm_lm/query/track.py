@@ -28,7 +28,8 @@ from geotlm_lm.query.intervals import outside, within_all, within_any
 from geotlm_lm.query.paths import crossing, played
 from geotlm_lm.query.quantities import in_base
 from geotlm_lm.track.events import TOGETHER_S, EventKind
-from geotlm_lm.track.track import Track, belief_of_track, together_s
+from geotlm_lm.track.summed import belief_of_track
+from geotlm_lm.track.track import Track, together_s
 
 _NAMED = {
     "whole": (0.0, 1.0),

@@ -134,7 +134,8 @@ class Exported:
         """Return what the whole track comes to, as plain JSON values.
 
         What is net is from the first frame to the last; in all, the sum of what events go there and
-        back. How long it is touched is None where contact is not known.
+        back. How long it is touched is None where contact is not known. A limit is what it would
+        have had to go at the least to be an event.
         """
         track, net, units = self.track, self.track.net_twist, self.units
         touched_s = round(sum(last - first for first, last in track.contacts()), 4)
@@ -142,14 +143,19 @@ class Exported:
         slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
         slides = [units.amount(event)[0] for event in track.of(Component.SLIDE)]
         path = Span(sum(slide.mean for slide in slides), sum(slide.deviation for slide in slides))
+        limits = track.limits
+        turn_limit = np.degrees(limits[Component.TURN] / max(track.middle_radius_px, 1.0))
+        slide_limit = limits[Component.SLIDE] * max(units.travel[1])
         return {
             "frames": len(track),
             "seconds": round(track.seconds, 4),
             "touched_s": touched_s if track.is_contact_known else None,
             "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
+            "turn_limit": round(float(turn_limit), 3),
             "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
             "turned_back": track.turned_back(),
             "slide_net": _plain(slide) | {"unit": units.name},
+            "slide_limit": round(float(slide_limit), 3),
             "slide_right": round(float(right), 3),
             "slide_down": round(float(down), 3),
             "slide_in_all": _plain(path) | {"unit": units.name},

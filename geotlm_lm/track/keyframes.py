@@ -19,13 +19,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.alignment.direct import LEAST_WEIGHT, Aligned, Picture, Rigid, align
-from geotlm_lm.alignment.search import search
+from geotlm_lm.alignment.search import align_or_search
 from geotlm_lm.backbone.imprint import area_means, gradients
 from geotlm_lm.backbone.motions import STILL_EVEN
 from geotlm_lm.backbone.view import VIEW_CELL_PX, VIEW_RADII, View, contact_view
@@ -137,6 +138,13 @@ class Place:
         return np.array([np.degrees(motion.turn_rad), *(motion.travel(0, 0) * self.to_square)])
 
 
+class Residuals(NamedTuple):
+    """A frame less the untouched gel, both as of `small_green`."""
+
+    seen: Floats  # less the idle gel: where it is touched
+    moving: Floats  # the same, with the dots left in of a gel that has them: how that moves
+
+
 @dataclass(frozen=True, eq=False)
 class Step:
     """How the contact moved from the frame before to this one."""
@@ -150,24 +158,23 @@ class Step:
 class KeyFrames:
     """Follows one contact from its first frame to its last.
 
-    A residual is a frame less the idle gel, both as of `small_green`; rows and columns are those
-    of the frame itself.
+    Rows and columns are those of the frames themselves.
     """
 
-    def __init__(self, residual: Floats, rows: int, columns: int) -> None:
+    def __init__(self, residuals: Residuals, rows: int, columns: int) -> None:
         self._size = (rows, columns)
         self._before = Rigid()
-        self._lay(residual)
+        self._lay(residuals)
 
     @property
     def place(self) -> Place:
         """Where in the picture the contact is."""
         return self._place
 
-    def next(self, residual: Floats) -> Step:
+    def next(self, residuals: Residuals) -> Step:
         """Lay the next frame on those before it."""
-        picture = self._place.picture(residual)
-        step = _aligned(self._last, picture, self._before)
+        picture = self._place.picture(residuals.moving)
+        step = align_or_search(self._last, picture, self._before)
         is_lost = step.correlation < LOST / 2
         motion = Rigid() if is_lost else step.motion
         widened = np.diag(np.square(UNKNOWN)) if is_lost else _doubt(step, STEP_SHARE)
@@ -190,12 +197,12 @@ class KeyFrames:
         self._pose, self._covariance, self._last = pose, covariance, picture
         self._before = step.motion if step.correlation > ALIKE else Rigid()
         if self._is_far(on_key, picture):
-            self._lay(residual)
+            self._lay(residuals)
         return result
 
-    def _lay(self, residual: Floats) -> None:
-        self._place = Place.around(residual, *self._size)
-        self._key = self._last = self._place.picture(residual)
+    def _lay(self, residuals: Residuals) -> None:
+        self._place = Place.around(residuals.seen, *self._size)
+        self._key = self._last = self._place.picture(residuals.moving)
         self._even = self._key.even()
         self._pose, self._covariance = Rigid(), np.zeros((3, 3))
         # The picture's pixels may be others now: the last step is no start any more.
@@ -217,15 +224,6 @@ class KeyFrames:
         # Fusing takes doubt away; what a step adds is none at the least.
         values, vectors = np.linalg.eigh(covariance)
         return scale @ (vectors * values.clip(min=NOISE_PX**2 / 100)) @ vectors.T @ scale
-
-
-def _aligned(before: Picture, after: Picture, start: Rigid) -> Aligned:
-    """Return how one picture lies on the one before; searched for where that is lost."""
-    aligned = align(before, after, start)
-    if aligned.correlation < LOST:
-        again = align(before, after, search(before.image, after.image))
-        aligned = max(aligned, again, key=lambda result: result.correlation)
-    return aligned
 
 
 def _doubt(aligned: Aligned, share: float) -> Matrix:

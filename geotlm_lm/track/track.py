@@ -1,16 +1,18 @@
 """The motion of a whole recording as one value, which every question about it starts from.
 
 Axes, signs and units are those of `core.twist`: clockwise, right, down and into the gel positive;
-degrees, pixels of the 224-pixel square, mm. Travel is that of the middle of the contact. What it
-comes to as a whole is one Belief, and four frames that show it best.
+degrees, pixels of the 224-pixel square, mm. Travel is that of the middle of the contact.
+
+The events are the decision: what moves is what they say moves. Steps outside a component's events
+are noise that is not told from rest; they widen the spread and move nothing. So the sums, curves
+and rates of a track are those of its events, and its net way is never longer than its path.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from statistics import NormalDist
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import astuple, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,11 +20,23 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.errors import UsageError, require_inside
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import COMPONENTS, COUNTING_PX, WAYS, Component, Twist
-from geotlm_lm.motion.belief import PX_PER_MM, Belief
+from geotlm_lm.core.twist import COMPONENTS, Component, Twist
+from geotlm_lm.motion.belief import PX_PER_MM
 from geotlm_lm.recordings.scene_checks import SceneReport
-from geotlm_lm.track.events import ENDS, MOVING, SYSTEMATIC, Event, EventKind, Span, amount_of
+from geotlm_lm.track.events import (
+    COLUMNS,
+    MOVING,
+    SIGNIFICANT,
+    STEPS,
+    SYSTEMATIC,
+    Event,
+    EventKind,
+    Span,
+    amount_of,
+    chance_of_moving,
+    floor_of,
+    noise_of,
+)
 
 Floats = NDArray[np.float64]
 
@@ -34,13 +48,7 @@ TOUCHED = 0.5
 WINDOW_DEG, WINDOW_PX = 30.0, 30.0
 """Most that turns or slides within four frames that are looked at together."""
 
-EDGE_FRAMES = 3
-"""A press that begins no later after a touch, or ends so before it ends, is the touch's own."""
-
-CLOCKWISE = {1: Motion.CLOCKWISE, -1: Motion.COUNTERCLOCKWISE}
-INWARD = {1: Motion.PRESS, -1: Motion.RELEASE}
-
-_SYSTEMATIC_OF, _ENDS_OF = np.array([SYSTEMATIC, ENDS])[:, [0, 1, 1, 2]]
+SYSTEMATIC_OF, STEPS_OF = np.array([SYSTEMATIC, STEPS])[:, [0, 1, 1, 2]]
 """Of each number of a twist: a slide has two."""
 
 _ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px")
@@ -56,7 +64,7 @@ class Track:
     contact: Floats  # probability that something touches, (n,)
     strength_grey: Floats  # strength of the imprint, grey levels (rms), (n,)
     # motion from the frame before to each frame: turn, right, down, inward, (n, 4); zeros in the
-    # first and wherever nothing touches
+    # first and outside the events of each component
     twists: Floats
     covariances: Floats  # what each step adds to the doubt of the way, (n, 4, 4)
     radius_px: Floats  # radius of the contact, (n,); 0 where nothing touches
@@ -66,6 +74,7 @@ class Track:
     # whether the gel's untouched look is known, without which nothing tells contact
     is_contact_known: bool = True
     scene: SceneReport = SceneReport()  # whether it is a gel's, and where the camera moved
+    stated_limits: Mapping[Component, float] | None = None  # of a clip that is believed as a whole
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -84,7 +93,28 @@ class Track:
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
         own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
-        return np.sqrt(own + np.square(_SYSTEMATIC_OF * self.path_from_start))
+        way = self.path_from_start
+        return np.sqrt(np.square(STEPS_OF) * own + np.square(SYSTEMATIC_OF * way))
+
+    @property
+    def middle_radius_px(self) -> float:
+        """Radius of the contact, its median over the frames that have one; 0 without any."""
+        radii = self.radius_px[self.radius_px > 0]
+        return float(np.median(radii)) if len(radii) else 0.0
+
+    @property
+    def limits(self) -> Mapping[Component, float]:
+        """What is the least path of each component that would be an event: pixels, of a press mm.
+
+        Over all of the track; what goes faster is seen from less on.
+        """
+        if self.stated_limits is not None:
+            return self.stated_limits
+        own, radius = self.covariances.sum(axis=0), max(self.middle_radius_px, 1.0)
+        limits = {
+            component: SIGNIFICANT * noise_of(component, own, radius) for component in COMPONENTS
+        }
+        return limits | {Component.TURN: math.radians(limits[Component.TURN]) * radius}
 
     @property
     def is_touched(self) -> NDArray[np.bool_]:
@@ -123,7 +153,7 @@ class Track:
         A turn is clockwise positive, a press inward; a slide is the length of `net_twist`.
         """
         twist, own = self.twists.sum(axis=0), self.covariances.sum(axis=0)
-        return amount_of(component, twist, own)
+        return amount_of(component, twist, own, self.middle_radius_px)
 
     @property
     def net_twist(self) -> Twist:
@@ -131,10 +161,7 @@ class Track:
         return Twist(*map(float, self.twists.sum(axis=0)))
 
     def path(self, component: Component) -> Span:
-        """Return how far it went there and back, all together: the sum of its events' ways.
-
-        What is less than an event does not count: the noise of a gel at rest adds up to any path.
-        """
+        """Return how far it went there and back, all together: the sum of its events' ways."""
         ways = [event.amount for event in self.of(component)]
         mean = sum(abs(way.mean) for way in ways)
         # What is systematic is so in all of them.
@@ -169,13 +196,25 @@ class Track:
         path, own = self.path_from_start, np.diagonal(self.covariances, axis1=1, axis2=2)
         own = np.cumsum(own, axis=0)
         way, doubt = path[late] - path[early], own[late] - own[early]
-        off = np.square(_SYSTEMATIC_OF * way) + np.square(_ENDS_OF)
+        off = np.square(SYSTEMATIC_OF * way) + np.square(self.floors)
         touched = np.concatenate([[0], np.cumsum(self.is_touched)])
         is_free = touched[late + 1] == touched[early]
-        return way / seconds, np.where(is_free[:, None], 0.0, np.sqrt(doubt + off) / seconds)
+        off = np.sqrt(np.square(STEPS_OF) * doubt + off)
+        return way / seconds, np.where(is_free[:, None], 0.0, off / seconds)
+
+    @property
+    def floors(self) -> Floats:
+        """Deviations of a way of no length, (4,)."""
+        turn, slide, press = (floor_of(one, self.middle_radius_px) for one in COMPONENTS)
+        return np.array([turn, slide, slide, press])
 
     def contacts(self) -> tuple[tuple[float, float], ...]:
-        """Return from when to when something touched, seconds, one pair for each touch."""
+        """Return from when to when something touched, seconds, one pair for each touch.
+
+        None where contact is not known.
+        """
+        if not self.is_contact_known:
+            return ()
         edges = np.flatnonzero(np.diff(np.concatenate([[0], self.is_touched, [0]])))
         pairs = zip(edges[::2], edges[1::2] - 1, strict=True)
         return tuple((float(self.times_s[a]), float(self.times_s[b])) for a, b in pairs)
@@ -218,32 +257,69 @@ class Track:
             begin_s=float(self.times_s[a]),
             end_s=float(self.times_s[b]),
             twist=Twist(*map(float, twist)),
-            amount=amount_of(event.component, twist, own) if event.component else event.amount,
+            creeps=None,
+            is_let_go=event.is_let_go and end == event.end,
+            **self._size(event, twist, own, float(self.radius_px[b])),
         )
 
+    @staticmethod
+    def _size(event: Event, twist: Floats, own: Floats, radius_px: float) -> dict[str, Any]:
+        if event.component is None:
+            return {}
+        amount = amount_of(event.component, twist, own, radius_px)
+        noise = noise_of(event.component, own, radius_px)
+        sure = min(event.probability, chance_of_moving(amount.mean, noise))
+        return {"amount": amount, "probability": sure}
 
-def belief_of_track(track: Track, window: Belief) -> Belief:
-    """Return the belief of the motion from a track's first frame to its last.
 
-    `window` is the belief of the four frames of `window_of`, which the language model reads.
+def decided(track: Track, events: Iterable[Event], going_on: Mapping[Component, int]) -> Track:
+    """Return a track of raw steps as its events have it; see the module.
+
+    Args:
+        track: With the steps as measured.
+        events: What happened.
+        going_on: At which place a leg begins that is not over yet, of each component that has one.
     """
-    mean, contact = track.net_twist, float(track.contact.max(initial=0.0))
-    radii = track.radius_px[track.radius_px > 0]
-    radius = float(np.median(radii)) if len(radii) else window.radius_px
-    own = track.covariances.sum(axis=0)
-    doubt = np.square(_SYSTEMATIC_OF * track.twists.sum(axis=0)) + np.square(_ENDS_OF)
-    ways: dict[Motion, float] = {}
+    held = (event for event in events if track.is_contact_known or not event.is_of_contact)
+    cut = replace(track, events=tuple(sorted(held, key=lambda event: (event.begin, event.end))))
+    twists, covariances = np.zeros_like(track.twists), track.covariances.copy()
     for component in COMPONENTS:
-        counts = contact * _counts(track, component, radius)
-        ways |= {way: share * counts for way, share in _shares(track, component).items()}
-    return replace(
-        window,
-        mean=mean,
-        covariance=own + np.diag(doubt),
-        ways=ways,
-        contact=contact,
-        radius_px=radius,
-    )
+        part, inside = COLUMNS[component], np.zeros(len(track), bool)
+        for event in cut.of(component):
+            ends = (event.begin, event.end, *(event.creeps or (event.begin, event.end)))
+            begin, end, first, last = np.searchsorted(track.numbers, ends)
+            inside[first + 1 : last + 1] = True
+            own = track.twists[begin + 1 : end + 1, part]
+            creep = np.array(astuple(event.twist))[part] - own.sum(axis=0)
+            lengths = np.linalg.norm(own, axis=1, keepdims=True) + 1e-12
+            twists[begin + 1 : end + 1, part] = own + creep * lengths / lengths.sum()
+        if component in going_on:
+            inside[going_on[component] + 1 :] = True
+            twists[going_on[component] + 1 :, part] = track.twists[going_on[component] + 1 :, part]
+        for rest in _runs(~inside):
+            creep = track.twists[rest, part].sum(axis=0)
+            covariances[rest, part, part] += np.outer(creep, creep) / len(covariances[rest])
+    contact = _contact_of(cut) if track.is_contact_known else track.contact
+    return replace(cut, twists=twists, covariances=covariances, contact=contact)
+
+
+def _runs(held: NDArray[np.bool_]) -> list[slice]:
+    """Return the stretches in which something holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], held, [0]])))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _contact_of(track: Track) -> Floats:
+    """Return how sure contact is in each frame, likelier than not between touch and release."""
+    touched = np.zeros(len(track), bool)
+    begin = None
+    for event in track.events:
+        if event.kind is EventKind.TOUCH:
+            begin = event.begin
+            touched[track.numbers >= begin] = True
+        elif event.kind is EventKind.RELEASE and event.is_let_go:
+            touched[track.numbers > event.end] = False
+    return np.where(touched, np.maximum(track.contact, TOUCHED), np.minimum(track.contact, 0.49))
 
 
 def window_of(track: Track) -> tuple[int, ...]:
@@ -302,58 +378,3 @@ def _shortened(track: Track, first: int, last: int) -> tuple[int, int]:
     share = 1 / max(float(turned.max()), float(slid.max()), 1.0)
     middle, half = (first + last) / 2, share * (last - first) / 2
     return max(math.floor(middle - half), first), min(math.ceil(middle + half), last)
-
-
-def _counts(track: Track, component: Component, radius_px: float) -> float:
-    """Return how probable it is that a component counts in a track that is touched."""
-    events = [event for event in track.of(component) if event.component is component]
-    if component is Component.PRESS:
-        # What begins or ends contact is a touch or a release and no press.
-        events = [event for event in events if not _is_edge(track, event)]
-    if events:
-        return max(event.probability for event in events)
-    if component is Component.PRESS:
-        return 0.0
-    net = track.net(component)
-    least = math.degrees(COUNTING_PX / max(radius_px, 1.0))
-    bound = least if component is Component.TURN else COUNTING_PX
-    bell = NormalDist(abs(net.mean), max(net.deviation, 1e-6))
-    return min(1 - bell.cdf(bound), 0.5)
-
-
-def _is_edge(track: Track, event: Event) -> bool:
-    """Tell whether a press or release is the beginning or the end of a contact."""
-    begins = [event.begin for event in track.events if event.kind is EventKind.TOUCH]
-    if event.kind is EventKind.PRESS:
-        return any(0 <= event.begin - begin <= EDGE_FRAMES for begin in begins)
-    place = int(np.searchsorted(track.numbers, event.end))
-    after = track.contact[place : place + EDGE_FRAMES + 1]
-    return bool((after < 0.5).any())
-
-
-def _shares(track: Track, component: Component) -> dict[Motion, float]:
-    """Return the probability of each way of a component, given that it counts."""
-    twist, own = track.twists.sum(axis=0), track.covariances.sum(axis=0)
-    if component is Component.SLIDE:
-        return _quarters(twist[1:3], math.sqrt(float(np.trace(own[1:3, 1:3])) / 2 + ENDS[1] ** 2))
-    net, events = track.net(component), track.of(component)
-    mean = net.mean
-    if component is Component.PRESS and events:
-        largest = max(events, key=lambda event: abs(event.amount.mean))
-        mean = largest.amount.mean
-    sure = NormalDist().cdf(mean / max(net.deviation, 1e-6))
-    named = CLOCKWISE if component is Component.TURN else INWARD
-    return {named[1]: sure, named[-1]: 1 - sure}
-
-
-def _quarters(way: np.ndarray, deviation: float) -> dict[Motion, float]:
-    """Return how probable it is that a travel lies in each quarter of the image."""
-    spread = max(math.atan2(deviation, float(np.hypot(*way))), 0.02)
-    angle = math.atan2(way[1], way[0])
-    bell, shares = NormalDist(0.0, spread), {}
-    for place, motion in enumerate((Motion.RIGHT, Motion.DOWN, Motion.LEFT, Motion.UP)):
-        off = math.remainder(angle - place * math.pi / 2, 2 * math.pi)
-        edges = math.pi / 4
-        shares[motion] = max(bell.cdf(edges - off) - bell.cdf(-edges - off), 1e-6)
-    total = sum(shares.values())
-    return {way: shares[way] / total for way in WAYS[Component.SLIDE]}

@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.alignment.dots import activity_grey, is_marked
+from geotlm_lm.alignment.dots import activity_grey, is_marked, without_dots
 from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.recordings.idle import (
     CONTACT_UNKNOWN,
@@ -26,11 +27,12 @@ from geotlm_lm.recordings.idle import (
 )
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of
 from geotlm_lm.track.block import Believe, Block, Row
-from geotlm_lm.track.events import Event, EventFinder, EventKind, Moment
+from geotlm_lm.track.events import COLUMNS, Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
 from geotlm_lm.track.frame_clock import FrameClock
-from geotlm_lm.track.keyframes import Floats, KeyFrames, Step, small_green
-from geotlm_lm.track.track import Track
+from geotlm_lm.track.keyframes import Floats, KeyFrames, Residuals, Step, small_green
+from geotlm_lm.track.short import Shown, Whole, track_of_clip
+from geotlm_lm.track.track import Track, decided
 
 LET_GO = 0.8
 """Share of the faintest imprint below which contact ends: it begins at that itself."""
@@ -48,10 +50,6 @@ DOUBTED = 0.01
 less would say that nothing touches."""
 
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
-
-OF_MOTION = (EventKind.TURN, EventKind.SLIDE)
-"""Events that are told without knowing contact: a press looks like a release then, a stick like
-nothing at all."""
 
 _ROW = np.dtype(
     [
@@ -103,6 +101,8 @@ class Tracker:
         idle: The untouched gel, uint8 RGB; None learns it while nothing touches.
         is_contact_known: Whether contact is told by that gel; else it is guessed, of one with dots.
         scene: What was noticed about the frames, which are steadied by it; None looks at them.
+        whole: The belief of a clip, by which a recording of four frames or fewer is told; None
+            measures it as any other.
     """
 
     def __init__(
@@ -112,13 +112,17 @@ class Tracker:
         idle: Frames | None = None,
         is_contact_known: bool = True,
         scene: SceneReport | None = None,
+        whole: Whole | None = None,
     ) -> None:
         self._believe, self._idle = believe, IdleTracker(idle)
         self._is_contact_known = is_contact_known
+        self._whole = whole
+        self._shown: list[Shown] = []
+        self._waiting: list[Event] = []
         self._table, self._finder, self._block = Table(), EventFinder(), Block()
         self._events: list[Event] = []
         self._keys: KeyFrames | None = None
-        self._gel: Floats | None = None
+        self._gels: tuple[Floats, Floats] | None = None
         self._before: Frames | None = None
         self._clock, self._checker, self._known_scene = FrameClock(), SceneChecker(), scene
         self._time_s, self._number = 0.0, -1
@@ -140,20 +144,23 @@ class Tracker:
 
         The last half second of it is measured alone; the model may correct it yet.
         """
-        return self._table.way + self._block.way
+        way = self._finder.way_going_on + self._block.way
+        for event in self._events:
+            if event.component is not None and event.kind is not EventKind.SLIP:
+                part = COLUMNS[event.component]
+                way[part] += astuple(event.twist)[part]
+        return way
 
     @property
     def so_far(self) -> Track:
         """The track as far as it is settled: to the end of the last event, or half a second ago."""
         shape = (0, 0) if self._before is None else self._before.shape[:2]
-        scene = self._scene
-        events = sorted(self._doubted(self._events), key=lambda event: (event.begin, event.end))
-        arrays = self._table.arrays()
+        scene, arrays = self._scene, self._table.arrays()
         if scene.suspicion:
             arrays["contact"] = 0.5 + DOUBTED * (arrays["contact"] - 0.5)
-        return Track(**arrays, events=tuple(events), frame_size=shape,
-                     notes=(*scene.notes, *self._notes()), scene=scene,
-                     is_contact_known=self.is_contact_known)  # fmt: skip
+        raw = Track(**arrays, events=(), frame_size=shape, notes=(*scene.notes, *self._notes()),
+                    scene=scene, is_contact_known=self.is_contact_known)  # fmt: skip
+        return decided(raw, self._doubted(self._events), self._finder.going_on)
 
     @property
     def is_contact_known(self) -> bool:
@@ -183,17 +190,21 @@ class Tracker:
             if steady is None:
                 return []
             frame = steady
+        if len(self._shown) <= FRAME_COUNT:
+            self._shown.append(Shown(Row(self._number, taken_s, 0.0, 0.0, False), frame))
         exposure = self._idle.follow_exposure(frame)
         if exposure is not None:
             self._stepped.append(self._number)
             self._block.expose(exposure)
             if self._keys is not None:
-                self._gel = small_green(self._idle.background)
+                self._gels = self._small_gels()
         if not self._idle.is_exposed_alike(frame):
             self._flashed += 1
             return []
         row = self._measured(frame)
         self._before = frame
+        if self._is_short:
+            self._shown[-1] = Shown(row, frame)
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
         events = self._settled() if ended else []
         self._block.add(row, frame)
@@ -201,13 +212,25 @@ class Tracker:
             events += self._settled()
             if row.is_touched:
                 self._block.frames = [(row.time_s, frame)]
+        self._waiting += events
+        if self._is_short:
+            return []
+        events, self._waiting = self._waiting, []
         return self._doubted(events)
 
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
+        if self._is_short and len(self._shown) > 1:
+            clip = Clip(np.stack([one.frame for one in self._shown]), background=self.idle)
+            return track_of_clip(self._shown, self._whole(clip), self._notes())
         self._settled()
         self._events += self._told(self._finder.finish())
         return self.so_far
+
+    @property
+    def _is_short(self) -> bool:
+        """Whether it is a clip of few frames yet, told by what is believed of it as a whole."""
+        return self._whole is not None and len(self._shown) <= FRAME_COUNT
 
     def _measured(self, frame: Frames) -> Row:
         strength = self._idle.strength(frame)
@@ -222,15 +245,26 @@ class Tracker:
     def _step(self, frame: Frames) -> Step | None:
         """Return how the contact moved since the frame before; None in its first frame."""
         if self._keys is None:
-            self._gel = small_green(self._idle.background)
-            self._keys = KeyFrames(small_green(frame) - self._gel, *frame.shape[:2])
+            self._gels = self._small_gels()
+            self._keys = KeyFrames(self._residuals(frame), *frame.shape[:2])
             return None
         if np.array_equal(frame, self._before):
             self._repeated += 1
             return None
-        step = self._keys.next(small_green(frame) - self._gel)
+        step = self._keys.next(self._residuals(frame))
         self._lost += step.is_lost
         return step
+
+    def _small_gels(self) -> tuple[Floats, Floats]:
+        """Return what is taken off frames to see where they are touched, and how that moves."""
+        idle = self._idle.background
+        bare = without_dots(idle)
+        seen = small_green(idle)
+        return seen, seen if bare is idle else small_green(bare)
+
+    def _residuals(self, frame: Frames) -> Residuals:
+        green, (seen, moving) = small_green(frame), self._gels
+        return Residuals(green - seen, green - moving)
 
     def _settled(self) -> list[Event]:
         """Write the block down and return the events that are over by then."""
@@ -252,7 +286,7 @@ class Tracker:
 
     def _told(self, events: list[Event]) -> list[Event]:
         known = self._is_contact_known
-        return [event for event in events if known or event.kind in OF_MOTION]
+        return [event for event in events if known or not event.is_of_contact]
 
     def _doubted(self, events: list[Event]) -> list[Event]:
         """Return events at most as probable as not where the pictures may not be a gel's."""
@@ -287,6 +321,7 @@ def track_of(
     believe: Believe | None = None,
     *,
     idle: Frames | None = None,
+    whole: Whole | None = None,
     progress: Progress = silent,
     scene: SceneReport | None = None,
 ) -> Track:
@@ -296,7 +331,7 @@ def track_of(
     is told after each frame of a clip.
     """
     if not isinstance(source, Clip):
-        tracker = Tracker(believe, idle=idle)
+        tracker = Tracker(believe, idle=idle, whole=whole)
         for frame, time_s in source:
             tracker.feed(frame, time_s)
         return tracker.finish()
@@ -306,7 +341,7 @@ def track_of(
     gel, is_known = idle if idle is not None else source.background, True
     if gel is None:
         gel, is_known = gel_of(source)
-    tracker = Tracker(believe, idle=gel, is_contact_known=is_known, scene=scene)
+    tracker = Tracker(believe, idle=gel, is_contact_known=is_known, scene=scene, whole=whole)
     numbered = zip(source.frames, source.frame_numbers, strict=True)
     for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)

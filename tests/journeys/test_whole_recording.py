@@ -1,10 +1,12 @@
 """A whole recording with the shipped model: turned, held, turned back, let go; one of real life."""
 
 import csv
+from pathlib import Path
 
 import pytest
 
 from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.recordings.read import read_clip
 from tests.track.stream import (
     BACK,
@@ -20,6 +22,8 @@ from tests.track.stream import (
 )
 
 NEAR_S = 0.3
+
+EXAMPLES = sorted((Path(__file__).resolve().parents[2] / "app" / "examples").glob("*.npz"))
 
 
 @pytest.fixture(scope="module")
@@ -73,6 +77,24 @@ def test_a_motion_of_a_stream_is_answered_by_its_track_and_the_frames_that_are_k
     kept = whole.recording.select(range(TURN, TURN_END, 2))
     answer = answerer.ask(answerer.encode(kept, track=part), "How far did it turn?")
     assert answer.amount.value == pytest.approx(part.net_twist.turn_deg, rel=0.1)
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_track_of_a_clip_says_what_its_answers_say(answerer, path):
+    clip = read_clip(path)
+    encoded, track, tracker = answerer.encode(clip), answerer.track(clip), answerer.tracker(clip)
+    assert [tracker.feed(frame, k / FPS) for k, frame in enumerate(clip.frames)] == [[]] * len(clip)
+    assert tracker.finish().events == track.events
+    belief = encoded.belief
+    touches = answerer.ask(encoded, "Is anything touching the gel?").decided == "yes"
+    assert touches == bool(track.contacts()) == bool(track.events)
+    for component in COMPONENTS:
+        events = track.of(component)
+        assert bool(events) == (belief.moves(component) >= 0.5)
+        for event in events:
+            assert event.motion is belief.way(component)
+            assert abs(event.amount.mean) == pytest.approx(belief.amount(component))
+            assert abs(track.net(component).mean) == pytest.approx(belief.amount(component))
 
 
 @pytest.mark.real

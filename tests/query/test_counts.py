@@ -118,7 +118,7 @@ def test_frames_are_counted_without_a_rate():
         ("claim not lost < #1", "at least 1 time?",
          "Yes, that is so: it is let go 1 time; it lifts off at 3.0 s."),
         ("claim touch > #1 and slide", "2 s",
-         "Yes: it is touched for 3.0 s; it slides left, about 43 px, from 2.0 s to 3.0 s, in the "
+         "Yes: it is touched for 2.96 s; it slides left, about 43 px, from 2.0 s to 3.0 s, in the "
          "camera image."),
         ("choice A starts > #1 , B starts < #2", "more than 2 times or less than 2.5 times",
          "B: it starts to move 2 times; it turns clockwise, about 20 degrees, from 1.0 s to 2.0 s, "

@@ -49,7 +49,7 @@ def test_played_twice_backwards_is_as_recorded():
 @pytest.mark.parametrize(
     ("text", "times", "told"),
     [
-        ("how-long not touch", (1.04,), "For 1.0 s: it lifts off at 3.0 s."),
+        ("how-long not touch", (1.04,), "For 1.04 s: it lifts off at 3.0 s."),
         ("how-long touch and not move", (1.0,), "For 1.0 s."),
         ("how-often not touch", (1.0,), "1 time: it lifts off at 3.0 s."),
         ("when not touch begin", (3.0,), "At 3.0 s: it lifts off at 3.0 s."),

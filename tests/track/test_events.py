@@ -4,21 +4,26 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.twist import Component
-from geotlm_lm.track.events import EventFinder, EventKind, Leg, Legs, Moment, Point, amount_of
+from geotlm_lm.track.events import EventFinder, EventKind, Moment, amount_of
+from geotlm_lm.track.legs import Legs, Point
 from tests.track.tracks import FPS, moving_track
 
-FRAMES, RADIUS_PX, COUNT, LEAST = 60, 50.0, 40, 2.5
+FRAMES, RADIUS_PX, COUNT, FLOOR = 60, 50.0, 40, 0.4
 
 
-def kinds(turn_deg, right_px, frames=20):
-    """Kinds of the events of a contact that turns and slides evenly in its middle."""
+def events_of(turn_deg, right_px, frames=20, step_variance=1e-3):
+    """Events of a contact that turns and slides evenly in its middle."""
     finder, events = EventFinder(), []
     for k in range(FRAMES):
         done = min(max(k - 20, 0) / frames, 1.0)
         way = done * np.array([turn_deg, right_px, 0.0, 0.0])
-        doubt = k * 1e-3 * np.eye(4)
+        doubt = k * step_variance * np.eye(4)
         events += finder.push(Moment(k, k, k / 25, 1.0, True, way, doubt, RADIUS_PX))
-    return {event.kind for event in events + finder.finish()}
+    return events + finder.finish()
+
+
+def kinds(*args, **more):
+    return {event.kind for event in events_of(*args, **more)}
 
 
 @pytest.mark.parametrize(
@@ -27,21 +32,48 @@ def kinds(turn_deg, right_px, frames=20):
         (4.0, 0.0, 20, True),
         (4.0, 20.0, 20, False),  # as a path a sixth of the slide: it may be read of that
         (20.0, 20.0, 20, True),
-        (4.0, 0.0, 1, False),  # one step may be measured wrong
-        (8.0, 0.0, 1, True),
+        (0.9, 0.0, 20, True),  # 0.8 pixels at the contact's radius
+        (0.4, 0.0, 20, False),
     ],
 )
-def test_a_turn_is_event_if_neither_a_slide_nor_one_wrong_step_explains_it(
+def test_a_turn_is_event_if_neither_noise_nor_a_slide_explains_it(
     turn_deg, right_px, frames, is_event
 ):
     assert (EventKind.TURN in kinds(turn_deg, right_px, frames)) == is_event
 
 
+def test_what_is_event_depends_on_the_noise_and_no_amount():
+    variances = [1e-4, 1e-2, 1e-1, 1.0]
+    are = [EventKind.SLIDE in kinds(0.0, 0.9, step_variance=one) for one in variances]
+    assert are == [True, True, False, False]
+    (slide,) = (one for one in events_of(0.0, 0.9) if one.kind is EventKind.SLIDE)
+    assert slide.amount.is_clear
+
+
+def test_what_is_held_sticks_though_its_last_step_is_measured_wrong():
+    finder, events = EventFinder(), []
+    for k in range(FRAMES):
+        way = np.array([0.0, 0.6, 0.0, 0.0]) * (k == FRAMES - 1)
+        events += finder.push(Moment(k, k, k / 25, 1.0, True, way, np.zeros((4, 4)), RADIUS_PX))
+    kinds = [event.kind for event in events + finder.finish()]
+    assert kinds == [EventKind.TOUCH, EventKind.STICK]
+
+
+def test_what_is_held_sticks_until_it_is_lifted():
+    finder, events = EventFinder(), []
+    for k in range(FRAMES):
+        way = np.array([0.0, 0.0, 0.0, np.interp(k, [0, 5, 40, 45], [0.0, 1.0, 1.0, 0.0])])
+        moment = Moment(k, k, k / 25, 1.0, k <= 45, way, np.zeros((4, 4)), RADIUS_PX)
+        events += finder.push(moment)
+    kinds = [event.kind for event in events + finder.finish()]
+    assert kinds == [EventKind.TOUCH, EventKind.PRESS, EventKind.STICK, EventKind.RELEASE]
+
+
 def legs_of(path, noise=0.0):
-    rng, finder, legs = np.random.default_rng(0), Legs(LEAST), []
+    rng, finder, legs = np.random.default_rng(0), Legs(), []
     for place, value in enumerate(np.asarray(path, float)):
         at = np.atleast_1d(value) + rng.normal(0, noise, np.size(value))
-        legs += finder.push(Point(place, place / FPS, at))
+        legs += finder.push(Point(place, place / FPS, at, floor=FLOOR))
     return legs + finder.finish()
 
 
@@ -67,9 +99,13 @@ def test_turning_back_without_a_rest_ends_a_leg_where_the_path_bends():
     ends_near(legs_of(ramp((0, 10), (30, 15), (-25, 15), (0, 15))), [(10, 25), (25, 40)])
 
 
-def test_noise_and_creeping_are_no_legs():
-    assert legs_of(np.zeros(100), noise=0.3) == []
-    assert legs_of(ramp((4.0, 200))) == []
+def test_noise_is_no_leg():
+    assert legs_of(np.zeros(100), noise=0.2) == []
+
+
+def test_what_creeps_is_one_leg_from_where_it_is_no_noise():
+    (leg,) = legs_of(ramp((0, 25), (4.0, 200), (0, 25)))
+    assert (abs(leg.begin - 25) <= 10, abs(leg.end - 225) <= 10) == (True, True)
 
 
 def test_a_path_in_the_plane_ends_a_leg_at_a_corner():
@@ -79,7 +115,8 @@ def test_a_path_in_the_plane_ends_a_leg_at_a_corner():
 
 def test_the_same_path_gives_the_same_legs_wherever_it_starts():
     path = ramp((0, 12), (-15, 12), (0, 20))
-    assert legs_of(path) == legs_of(path + 1000) == [Leg(12, 24)]
+    assert legs_of(path) == legs_of(path + 1000)
+    ends_near(legs_of(path), [(12, 24)], frames=0)
 
 
 def steps_of(turn=0.0, right=0.0, down=0.0, inward=0.0):
@@ -96,7 +133,7 @@ def test_a_deviation_is_that_of_the_amount_in_its_time():
     first, last = 18, 22  # a tenth of a second on both sides of frame 20, in whole frames
     steps = slice(first + 1, last + 1)
     way, own = track.twists[steps].sum(axis=0), track.covariances[steps].sum(axis=0)
-    wanted = amount_of(Component.TURN, way, own).deviation / ((last - first) / FPS)
+    wanted = amount_of(Component.TURN, way, own, 50.0).deviation / ((last - first) / FPS)
     assert track.rates()[1][20, 0] == pytest.approx(wanted)
 
 
