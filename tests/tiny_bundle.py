@@ -63,5 +63,4 @@ def untrained_motion(dgr):
     patches, inputs = torch.zeros(1, 2, 14, 14, WIDTH), torch.zeros(1, 2, 14, 14, PATCH_INPUT_DIM)
     motions, token = torch.zeros(1, *MOTIONS_SHAPE), torch.zeros(1, WIDTH)
     network = MotionNetwork(measured(inputs, motions, dgr(patches), token).hints.shape[1])
-    network.start_at_measured()
     return network.eval()
