@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from math import inf
 
 import torch
 from torch import Tensor
@@ -29,7 +30,7 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     """
     belief = _first_belief(bundle, encoded)
     moving = [part for part in (Component.TURN, Component.SLIDE) if belief.moves(part) >= 0.5]
-    doubtful = [part for part in moving if belief.path(part) < CLEAR * belief.limits[part]]
+    doubtful = [part for part in moving if belief.path(part) < CLEAR * belief.limits.get(part, inf)]
     if not doubtful or belief.moves(Component.PRESS) < 0.5:
         return belief
     clip = encoded.clip.reversed()

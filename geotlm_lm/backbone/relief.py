@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 
 import cv2
@@ -83,7 +83,7 @@ class Lights:
     are_mirrored: bool = False  # left for right, once they are turned back
     are_one: bool = False  # whether the picture tells them not apart: it is grey, or of one colour
     # Squared curl of the slopes as a share of their squared divergence; 0 of a relief without noise
-    curl: float = math.inf
+    curl: float = field(default=math.inf, compare=False)
 
     @property
     def shade_relief(self) -> bool:

@@ -34,7 +34,7 @@ def belief_of_track(track: Track, window: Belief) -> Belief:
     doubt = np.square(SYSTEMATIC_OF * track.twists.sum(axis=0)) + np.square(track.floors)
     ways: dict[Motion, float] = {}
     for component in COMPONENTS:
-        moves = contact * _moves(track, component)
+        moves = _moves(track, component) * (contact if track.is_contact_known else 1.0)
         ways |= {way: share * moves for way, share in _shares(track, component).items()}
     return replace(
         window,
@@ -50,6 +50,8 @@ def belief_of_track(track: Track, window: Belief) -> Belief:
 
 def _moves(track: Track, component: Component) -> float:
     """Return how probable it is that a component moves in a track that is touched."""
+    if component is Component.PRESS and not track.is_contact_known:
+        return 0.0
     events = [event for event in track.of(component) if event.component is component]
     if component is Component.PRESS:
         # What begins or ends contact is a touch or a release and no press.

@@ -113,10 +113,15 @@ def test_what_grows_has_to_move_farther_to_be_seen(untrained):
     assert (growing.moves[0, :2] > 0).tolist() == [False, False]
 
 
-def test_a_span_that_reaches_zero_is_not_told_however_large_its_mean(untrained):
-    believed = untrained(alike((0.0, 5.0, 0.0)))
-    wide = replace(believed, deviation=torch.full((1, 4), 9.0))
-    assert (float(believed.moves[0, 1]) > 0, float(wide.moves[0, 1]) > 0) == (True, False)
+def test_candidates_that_hardly_agree_raise_the_limit_and_no_span_told_reaches_zero(untrained):
+    paths = torch.tensor([[0.0, 5.0, 0.0]]).repeat(2, CANDIDATES, 1)
+    paths[1, 1:, 1] = 3.9
+    believed = untrained(seen(paths=paths))
+    assert float(believed.limits[1, 1]) > 3 * float(believed.limits[0, 1])
+    wide = replace(believed, deviation=torch.full((2, 4), 9.0))
+    assert float(wide.moves[0, 1]) > 0
+    assert float(5 - 1.645 * wide.stated[0, 1]) > 0
+    assert float(wide.stated[0, 0]) == 9  # what is not told may reach zero
 
 
 def test_a_mixture_turns_and_mirrors_with_its_candidates():
@@ -169,7 +174,7 @@ def test_a_belief_says_what_the_network_believes(trained):
         assert math.radians(belief.mean.turn_deg) * radius == pytest.approx(turn, rel=1e-5)
         assert (belief.mean.right_px, belief.mean.down_px) == pytest.approx((right, down))
         spread = belief.deviation(Component.TURN) * radius * math.pi / 180
-        assert spread == pytest.approx(float(believed.deviation[place, 0]), rel=1e-5)
+        assert spread == pytest.approx(float(believed.stated[place, 0]), rel=1e-5)
         limits = believed.limits[place].tolist()
         assert [belief.limits[part] for part in COMPONENTS] == pytest.approx(limits)
         readable = (believed.readable[place] >= 0).tolist()

@@ -119,7 +119,7 @@ def test_what_is_asked_of_the_global_token_is_the_same_for_every_way_it_turns_or
 def test_what_is_ambiguous_or_leaves_no_trace_is_not_asked():
     dim = replace(MOVING, visible_grey=(9.0, 0.5, 0.5))
     assert (wanted(dim), sizes(dim)) == ([1.0, None, None, None, 1.0], [8.0, None])
-    barely = replace(MOVING, travel_px=(0.7, 0.0), depth_change_mm=0.0)
+    barely = replace(MOVING, travel_px=(0.2, 0.0), depth_change_mm=0.0)
     assert wanted(barely) == [1.0, None, 0.0, 0.0, 1.0]
     assert sizes(replace(MOVING, motion=Motion.NONE)) == [None, None]
 

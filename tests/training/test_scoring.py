@@ -48,7 +48,9 @@ def clips(contact_share=0.5, unreadable=0):
 
 def still(count):
     hints = len(tiny_bundle().motion.mean)
-    return Measured(torch.zeros(count, CANDIDATES, 3), torch.ones(count), torch.zeros(count, hints))
+    paths, radius = torch.zeros(count, CANDIDATES, 3), torch.ones(count)
+    hints, every = torch.zeros(count, hints), torch.ones(count, CANDIDATES, dtype=torch.bool)
+    return Measured(paths, torch.ones_like(paths), every, torch.zeros(count), radius, hints)
 
 
 @pytest.fixture(scope="module")
@@ -113,7 +115,7 @@ MIXED = [
     for one in (
         {"rotation_deg": 8.0, "travel_px": (-5.0, 1.0)},
         {"rotation_deg": -8.0, "depth_change_mm": 0.4},
-        {"travel_px": (0.7, 0.0), "depth_change_mm": -0.4},
+        {"travel_px": (0.2, 0.0), "depth_change_mm": -0.4},
     )
 ]
 
