@@ -29,13 +29,22 @@ from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, ever
 from geotlm_lm.benchmarks.imprints import semi_real_slides
 from geotlm_lm.benchmarks.judging import Graded, share_row, share_rows
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
-from geotlm_lm.benchmarks.variants import BELIEF, FITS, GENERATED, RIVALS, question_for
+from geotlm_lm.benchmarks.variants import BELIEF, FITS, GENERATED, RIVALS, on_gel, question_for
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
 from geotlm_lm.core.tolerance import within_tolerance
-from geotlm_lm.core.twist import COMPONENT_OF, COMPONENTS, Component, Twist
+from geotlm_lm.core.twist import (
+    BARELY_MM,
+    BARELY_PX,
+    COMPONENT_OF,
+    COMPONENTS,
+    MOVING_MM,
+    MOVING_PX,
+    Component,
+    Twist,
+)
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
 from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
@@ -91,28 +100,41 @@ class Prediction:
 
 
 def grades(label: MotionLabel, predicted: Prediction) -> Iterator[tuple[str, bool]]:
-    """Yield what is graded of a clip, such as "turn: way", and whether it is right."""
-    ways, both = _parts(twist_of(label)), []
+    """Yield what is graded of a clip, such as "turn: way", and whether it is right.
+
+    What moves only barely is graded apart, as "turn: way, 0.3 to 1 px".
+    """
+    twist = twist_of(label)
+    ways, both, sizes = _parts(twist), [], []
     for part, truth in components_of(label).items():
         is_counting = truth.moves
         if is_counting is None or (is_counting and not truth.is_visible):
             continue
+        size = _size(part, twist.path(part, label.radius_px)) if is_counting else ""
         if part in predicted.counting:
-            yield f"{part}: counts", predicted.counting[part] == is_counting
+            yield f"{part}: counts{size}", predicted.counting[part] == is_counting
         if is_counting and part in predicted.ways:
             is_right = _cosine(predicted.ways[part], ways[part]) >= LEAST_COSINE
             if part is not Component.PRESS:
                 both.append(is_right and predicted.counting.get(part, True))
-            yield f"{part}: way", is_right
+                sizes.append(size)
+            yield f"{part}: way{size}", is_right
         amount = math.hypot(*ways[part])
         if is_counting and part in predicted.amounts:
             is_near = within_tolerance(predicted.amounts[part], amount, UNITS[part])
-            yield f"{part}: how far", is_near
+            yield f"{part}: how far{size}", is_near
         if is_counting and part in predicted.spans:
             low, high = predicted.spans[part]
-            yield f"{part}: span", low <= amount <= high
+            yield f"{part}: span{size}", low <= amount <= high
     if len(both) == 2:
-        yield "turn and slide: both ways", all(both)
+        yield f"turn and slide: both ways{max(sizes)}", all(both)
+
+
+def _size(part: Component, path: float) -> str:
+    """Return what is added to the name of what is graded of a component that moves barely."""
+    if part is Component.PRESS:
+        return f", {MOVING_MM:g} to {BARELY_MM:g} mm" if path < BARELY_MM else ""
+    return f", {MOVING_PX:g} to {BARELY_PX:g} px" if path < BARELY_PX else ""
 
 
 def _parts(twist: Twist) -> dict[Component, tuple[float, ...]]:
@@ -159,7 +181,7 @@ def words_prediction(answerer: Answerer, encoded: Encoded) -> Prediction:
 
 
 def _fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction:
-    fit = rival.fit(clip)
+    fit = rival.fit(on_gel(clip))
     rows, columns = camera_size(*clip.frames.shape[1:3])
     right, down = fit.slide_x_px * IMAGE_SIDE / columns, fit.slide_y_px * IMAGE_SIDE / rows
     return _rigid(Twist(fit.rotation_deg, right, down))
@@ -280,7 +302,7 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
 
 def fitted_amount(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
     """Return the amount of the rigid motion that a rival fits, in pixels of the clip's frames."""
-    fit = rival.fit(moved.clip)
+    fit = rival.fit(on_gel(moved.clip))
     if moved.unit == "deg":
         return abs(fit.rotation_deg)
     rows, columns = moved.clip.frames.shape[1:3]
@@ -332,8 +354,9 @@ Everyday objects that turn, slide and press freely at once. Of each component th
 the *way* is right with the sign of a turn or a press, and of a slide with a heading at most 45
 degrees off; *how far* within 2 degrees, 2 pixels, 0.2 mm or a fifth; the *span*, nine in ten, holds
 the truth. *Counts* is whether a component is told where it counts and not told where it does not;
-what is ambiguous, or counts and hardly shows, is left out. *Both ways* needs a turn and a slide
-told, each the right way. Words are asked about each component apart.""",
+what is ambiguous, or counts and hardly shows, is left out; what moves barely is graded apart, by
+its true path. *Both ways* needs a turn and a slide told, each the right way. Words are asked about
+each component apart.""",
     run=mixture_rows,
     views={"": (Pivot(right_with_interval, "clips, what is graded"), every)},
 )

@@ -99,8 +99,9 @@ def leanings(answerer: Answerer, clip: Clip) -> Leanings:
     paths = paths_of(measured_of(encoded))
     ways = {BELIEF: {part: encoded.belief.way(part) for part in MOVING}}
     ways |= {name: ways_of(*path) for name, path in paths.items()}
+    given = on_gel(clip)
     for name, rival in FITS.items():
-        fit = rival.fit(on_gel(clip))
+        fit = rival.fit(given)
         ways[name] = {part: classify_motion(fit, among) for part, among in MOVING.items()}
     return Leanings(encoded.belief, ways, paths)
 

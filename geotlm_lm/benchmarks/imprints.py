@@ -2,8 +2,11 @@
 
 An imprint is a touched frame's change against the mean idle gel. Carried, it lies over the idle
 frames of its own recording in turn, with their noise, codec and flicker; it lacks the change of
-lighting from place to place and the gel's creep, and the touched frame's own noise goes along. On
-a gel with dots, the change of the dots is carried too, while the idle dots stay.
+lighting from place to place and the gel's creep, and the touched frame's own noise goes along.
+
+Dots move with what touches them. On a gel that has them the touched frame itself is moved, by all
+of the motion about the contact and by less and less towards the rim, which stays; each frame adds
+what a real idle frame deviates from their mean by.
 """
 
 from __future__ import annotations
@@ -19,11 +22,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.benchmarks.carrying import Floats, carried
 from geotlm_lm.benchmarks.cases import HALVES, Half, half_of, rows_of_half
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import opposite
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, camera_size
+from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import COMPONENT_OF, Component
@@ -31,9 +35,7 @@ from geotlm_lm.data.labelled_recordings import csv_lines
 from geotlm_lm.data.touch_table import TABLE_NAME, TouchRow, read_touch_table
 from geotlm_lm.recordings.read import read_clip
 
-Floats = NDArray[np.float32]
-
-SIZES_PX = (0.1, 0.2, 0.3, 0.5, 1.0, 2.0)
+SIZES_PX = (0.1, 0.2, 0.3, 0.5, 1.0)
 """Paths that imprints are moved by, pixels of the 224-pixel image; of turns at the radius."""
 
 CUTS = {"four": (0, 1, 2, 3), "pair": (0, 0, 3, 3)}
@@ -80,6 +82,7 @@ class Imprint:
     object_id: str
     family: str
     is_round: bool = False  # whether a turn cannot be seen
+    has_dots: bool = False
 
     @property
     def half(self) -> Half:
@@ -162,7 +165,7 @@ def _moved(
     middle, radius = imprint.middle_and_radius()
     rows, columns = imprint.change.shape[:2]
     scale = np.array([columns, rows]) / IMAGE_SIDE
-    made = partial(carried, imprint.change, about=middle)
+    made = partial(carried, imprint.change, about=middle, has_dots=imprint.has_dots)
 
     def both(clip: Clip, way: Motion, path_px: float = 0.0) -> Iterator[MovedImprint]:
         about = (imprint.kind, imprint.object_id, imprint.family, imprint.half)
@@ -196,48 +199,6 @@ def _draw(idle: Floats, rng: np.random.Generator) -> tuple[Floats, Floats]:
         return idle + rng.normal(0, NOISE_GREY, (FRAME_COUNT, *idle.shape[1:])), idle[0]
     places = np.sort(rng.choice(len(idle), FRAME_COUNT, replace=len(idle) < FRAME_COUNT))
     return idle[places[:: rng.choice([-1, 1])]], idle.mean(axis=0)
-
-
-def carried(
-    change: Floats,
-    gel: tuple[Floats, Floats],
-    *,
-    path_px: Sequence[float] = (0.0, 0.0),
-    turn_deg: float = 0.0,
-    growth: tuple[float, float] = (1.0, 1.0),
-    about: Sequence[float] | None = None,
-) -> Clip:
-    """Return four frames of an imprint over the gel, evenly from its own place to another.
-
-    Args:
-        change: A touched frame's change against the idle gel, (rows, columns, 3), grey levels.
-        gel: Four frames of it, and what it looks like on the mean.
-        path_px: Travel right and down, pixels of the frames.
-        turn_deg: Turn, clockwise positive.
-        growth: First strength and last, 1 as recorded.
-        about: What it turns about, x before y in pixels; None for the middle of the image.
-    """
-    grounds, idle = gel
-    rows, columns = idle.shape[:2]
-    middle = np.array((columns / 2, rows / 2) if about is None else about)
-    camera_rows, camera_columns = camera_size(rows, columns)
-    # A turn is rigid on the gel, whose pixels are not square in a squashed picture.
-    stretch, frames = np.array([camera_columns / columns, camera_rows / rows]), []
-    for share, ground in zip(np.linspace(0, 1, FRAME_COUNT), grounds, strict=True):
-        angle = np.radians(turn_deg * share)
-        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
-        turn = turn * stretch / stretch[:, None]
-        way = middle - turn @ middle + share * np.asarray(path_px)
-        moved = cv2.warpAffine(
-            change,
-            np.column_stack([turn, way]),
-            (columns, rows),
-            flags=cv2.INTER_CUBIC,
-            borderMode=cv2.BORDER_REFLECT_101,
-        )
-        strength = growth[0] + share * (growth[1] - growth[0])
-        frames.append(as_image(ground + strength * moved))
-    return Clip(np.stack(frames), background=as_image(idle))
 
 
 def touched_imprints(
@@ -300,7 +261,7 @@ def _of_grips(folder: Path, half: Half) -> Iterator[Imprint]:
             frames = read_clip(own / row["clip"]).frames.astype(np.float32)
             idle = frames[1 : int(row["contact_from"]) - BEFORE_LABEL]
             change = frames[-SETTLED_FRAMES:].mean(axis=0) - idle.mean(axis=0)
-            yield Imprint(change, idle, "gelslim4", row["clip"], family)
+            yield Imprint(change, idle, "gelslim4", row["clip"], family, has_dots=True)
 
 
 def _of_releases(folder: Path, half: Half) -> Iterator[Imprint]:
@@ -316,7 +277,7 @@ def _of_releases(folder: Path, half: Half) -> Iterator[Imprint]:
         if half_of(family) == half:
             idle = read_clip(own / empty[index % len(empty)]).frames.astype(np.float32)
             change = read_clip(own / name).frames[0] - idle.mean(axis=0)
-            yield Imprint(change, idle, "letac", name, family)
+            yield Imprint(change, idle, "letac", name, family, has_dots=True)
 
 
 SOURCES: dict[str, Callable[[Path, Half], Iterator[Imprint]]] = {
@@ -379,11 +340,6 @@ def travel_of(imprint: Floats, path_px: Sequence[float], turn_deg: float) -> flo
     x = path_px[0] + (cos - 1) * arm_x - sin * arm_y
     y = path_px[1] + sin * arm_x + (cos - 1) * arm_y
     return float(np.hypot(x, y))
-
-
-def as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
-    """Return grey levels as a picture."""
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
 
 
 def picture(path: Path) -> NDArray[np.uint8]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geotlm_lm.alignment.dots import without_dots
 from geotlm_lm.benchmarks.cases import Half, recordings_by_half, rows_of_half, titled
 from geotlm_lm.benchmarks.harness import Pivot, Row, Run, Section, every
 from geotlm_lm.benchmarks.judging import Graded, share_rows
@@ -183,7 +184,7 @@ def _real_grades(run: Run, name: str, half: Half, rows: Sequence[DirectedRow]) -
             first, last = row.touched or (0, len(clip) - 1)
             idle = np.median(clip.frames[FIRST_IDLE : FIRST_IDLE + SURELY_IDLE], axis=0)
             part = clip.select(range(first, min(last + 1, len(clip))))
-            part = replace(part, background=idle.astype(np.uint8))
+            part = replace(part, background=without_dots(idle.astype(np.uint8)))
             for what, is_right in _turn_grades(row, rival.fit(part).rotation_deg):
                 yield f"{case}: {what}", variant, is_right, row.object_family
         run.progress(titled(f"tracks of {name}", half), done, len(rows))

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from geotlm_lm.alignment.dots import without_dots
 from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
 from geotlm_lm.core.clip import Clip
@@ -107,7 +108,8 @@ def rival(predict: Callable[[Clip, tuple[Motion, ...]], Motion]) -> Variant:
 
     Against the mean frame, which it takes otherwise, the ghosts of the other frames' imprints drown
     a small motion. Of a whole recording it is given the part in contact: step by step the noise of
-    an untouched gel would add up to any motion.
+    an untouched gel would add up to any motion. Of a gel with dots its shading alone is taken off,
+    as the model does: a rival sees the dots too.
     """
     return timed(lambda clip, among: predict(on_gel(clip), among))
 
@@ -116,7 +118,8 @@ def on_gel(clip: Clip) -> Clip:
     """Return what a rival is given of a clip, with its idle gel; see `rival`."""
     if clip.background is None:
         clip = replace(clip, background=estimate_background(clip.frames))
-    return clip if len(clip) <= FRAME_COUNT else touched_part(clip)
+    clip = clip if len(clip) <= FRAME_COUNT else touched_part(clip)
+    return replace(clip, background=without_dots(clip.background))
 
 
 def belief_of_slots(bundle: Bundle, encoded: Encoded) -> Belief:

@@ -169,9 +169,9 @@ def test_each_part_is_wrong_for_its_own_reason(told, wrong):
 @pytest.mark.parametrize(
     ("truth", "left_out"),
     [
-        (label(turn=1.2), "turn"),  # 0.63 px at the radius: ambiguous
+        (label(turn=0.4), "turn"),  # 0.21 px at the radius: ambiguous
         (label(visible=(1.0, 9.0, 9.0)), "turn"),
-        (label(inward=0.1), "press"),
+        (label(inward=0.03), "press"),
         (label(inward=0.3, visible=(9.0, 9.0, 1.0)), "press"),
     ],
 )
@@ -179,6 +179,15 @@ def test_what_is_ambiguous_or_does_not_show_is_left_out(truth, left_out):
     found = graded(truth, belief())
     assert not any(name.startswith(f"{left_out}:") for name in found)
     assert ("turn and slide: both ways" in found) == (left_out == "press")
+
+
+def test_what_moves_barely_is_graded_apart():
+    found = graded(label(turn=1.2, inward=0.1), belief())  # 0.63 px at the radius
+    barely = {name.partition(", ")[0] for name in found if name.endswith(", 0.3 to 1 px")}
+    parts = {f"turn: {what}" for what in ("counts", "way", "how far", "span")}
+    assert barely == parts | {"turn and slide: both ways"}
+    assert {"slide: way", "press: counts, 0.06 to 0.15 mm"} <= set(found)
+    assert not parts & set(found)
 
 
 def test_words_are_asked_of_each_component_and_name_its_way_or_deny_it():

@@ -31,6 +31,12 @@ def test_each_measurement_names_the_way_of_the_asked_component_alone(slid, tiny_
     sliding = {name: variants[name](slid, SLIDES).motion for name in variants}
     assert {sliding[name] for name in CANDIDATES[:2]} == {Motion.RIGHT}
     assert {variants[name](slid, ROTATIONS).motion for name in CANDIDATES} <= set(ROTATIONS)
+    learned = {f"belief without {part}" for part in tiny_answerer.bundle.motion.PARTS}
+    assert len(learned) == 4
+    assert learned <= set(variants)
+    weights = variants[LEANING](slid, SLIDES).weights
+    assert set(weights) == set(CANDIDATES)
+    assert sum(weights.values()) == pytest.approx(1)
     # Words and what is told may name nothing; all others are forced to choose.
     free = ("words", TOLD)
     assert all(motion in SLIDES for name, motion in sliding.items() if name not in free)

@@ -5,6 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+from geotlm_lm.benchmarks.carrying import carried
 from geotlm_lm.benchmarks.imprints import CUTS, moved_imprints, semi_real_slides
 from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.labels import SLIDES, Motion
@@ -112,3 +113,52 @@ def test_what_is_held_or_untouched_lies_over_real_idle_frames_in_turn(moved):
     assert np.array_equal(release.frames, press.frames[::-1])
     strength = np.abs(press.frames[..., 1].astype(float) - press.background[..., 1]).max((1, 2))
     assert strength[0] < 0.5 * strength[-1]
+
+
+def dotted():
+    """Dots of two pixels' deviation, twelve pixels apart, the same shade all over."""
+    rows, columns = np.mgrid[:ROWS, :COLUMNS]
+    apart = [(axis % 12 - 6) ** 2 for axis in (rows, columns)]
+    dots = np.exp(-sum(apart) / (2 * 2.0**2))
+    return np.repeat(200 - 120 * dots[..., None], 3, axis=2).astype(np.float32)
+
+
+def shift(before, after):
+    """Least squares shift right and down of a small piece of two green pictures."""
+    first, last = (image[..., 1].astype(float) for image in (before, after))
+    down, right = np.gradient((first + last) / 2)
+    slopes = np.stack([right.ravel(), down.ravel()])
+    return -np.linalg.solve(slopes @ slopes.T, slopes @ (last - first).ravel())
+
+
+@pytest.mark.parametrize("path_px", [(0.1, 0.0), (0.0, -0.3), (0.3, 0.1)])
+def test_dots_go_along_about_the_contact_and_stay_at_the_rim(path_px):
+    idle, noise = dotted(), np.zeros((4, 1, 1, 1), np.float32)
+    noise[:, 0, 0, 0] = [1, -1, 2, -2]
+    clip = carried(blob(80, 60), (idle + noise, idle), path_px=path_px, has_dots=True)
+    frames = clip.frames - noise
+    piece = np.s_[40:80, 55:105]
+    assert shift(frames[0][piece], frames[-1][piece]) == pytest.approx(path_px, abs=0.02)
+    for rim in (np.s_[:1], np.s_[-1:], np.s_[:, :1], np.s_[:, -1:]):
+        assert np.abs(frames[-1][rim] - frames[0][rim]).max() <= 1
+    held = carried(blob(80, 60), (idle + noise, idle), has_dots=True).frames - noise
+    assert np.abs(held - held[0]).max() <= 1
+
+
+def test_dots_turn_about_the_contact():
+    idle, about = dotted(), (84.0, 60.0)
+    gel = (np.stack([idle] * 4), idle)
+    frames = carried(blob(84, 60), gel, turn_deg=3.0, about=about, has_dots=True).frames
+    for x, y in ((20, 0), (-20, 0), (0, 20), (0, -20)):
+        piece = np.s_[60 + y - 8 : 61 + y + 8, 84 + x - 8 : 85 + x + 8]
+        expected = np.radians(3.0) * np.array([-y, x])
+        assert shift(frames[0][piece], frames[-1][piece]) == pytest.approx(expected, abs=0.1)
+
+
+@pytest.mark.parametrize("path_px", [0.1, 0.3, 0.6])
+def test_a_small_motion_is_as_large_as_asked_for(path_px):
+    ground = np.full((4, ROWS, COLUMNS, 3), 100, np.float32)
+    clip = carried(blob(80, 60), (ground, ground[0]), path_px=(path_px, 0.0))
+    piece = np.s_[20:100, 30:130]
+    found = shift(clip.frames[0][piece], clip.frames[-1][piece])
+    assert found == pytest.approx((path_px, 0.0), abs=0.02)

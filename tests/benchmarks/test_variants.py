@@ -4,8 +4,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from geotlm_lm.alignment.dots import without_dots
 from geotlm_lm.benchmarks import variants
-from geotlm_lm.benchmarks.variants import all_variants, ways_claimed
+from geotlm_lm.benchmarks.variants import all_variants, on_gel, ways_claimed
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.twist import Component
@@ -88,6 +89,17 @@ def test_rivals_are_given_the_gel_that_the_model_would_guess():
         assert found == pytest.approx(true, abs=0.5)
         naive_errors.append(abs(naive - true))
     assert np.median(naive_errors) > 3
+
+
+def test_rivals_see_the_dots_of_a_gel_as_the_model_does():
+    idle = np.full((96, 96, 3), 180, np.uint8)
+    idle[(np.indices((96, 96)) % 12 < 4).all(axis=0)] = 60
+    clip = Clip(np.stack([idle] * 4), background=idle)
+    given = on_gel(clip).background
+    assert np.array_equal(given, without_dots(idle))
+    assert not np.array_equal(given, idle)
+    long = on_gel(Clip(np.stack([idle] * 9), background=idle))
+    assert len(long) == 9  # dots that stay are no touch
 
 
 def test_an_answer_claims_what_counts_in_its_motion():
