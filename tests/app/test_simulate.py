@@ -39,8 +39,8 @@ def test_all_components_of_a_touch_are_true_at_once_and_each_is_a_right_answer()
     assert facts["true"]["slide_x_px"] == pytest.approx(-0.8 * IMAGE_SIDE / 20.3, abs=0.2)
     assert facts["true"]["press_mm"] == pytest.approx(0.1)
     assert facts["true_motion"] == "clockwise"
-    assert facts["true_ways"] == ["clockwise", "left"]
-    assert facts["moves"] == {"turn": True, "slide": True, "press": None}
+    assert facts["true_ways"] == ["clockwise", "left", "press"]
+    assert facts["moves"] == {"turn": True, "slide": True, "press": True}
     assert facts["is_right"]
     assert facts["answer"].startswith("It slides left, about ")
     assert facts["how_far"].startswith("About ")

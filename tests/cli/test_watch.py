@@ -56,7 +56,7 @@ def test_it_prints_the_table_that_track_prints_and_the_account_to_stderr(capsys,
     ends = [float(line.split()[2]) for line in events]
     assert ends == sorted(ends)  # each is told once it is over
     assert len(events) == whole.index("") - 1
-    assert "there and back; touched for" in out
+    assert "; touched for" in out
     assert f"note: {len(CLIP)} frames, none dropped; each tracked in " in err
     assert "note: Values (uint8) were taken for 0..255" in err
 
