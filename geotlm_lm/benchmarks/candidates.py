@@ -80,7 +80,7 @@ class Leanings:
     # Of each candidate: turn, right, down, px.
     paths: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
 
-    def told(self, component: Component) -> Motion | None:
+    def named(self, component: Component) -> Motion | None:
         """Return the way that is told of a component; None where it is not told to move."""
         belief = self.belief
         return belief.way(component) if belief and belief.moves(component) >= 0.5 else None
@@ -148,7 +148,7 @@ def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     """
     perceive, seen = lru_cache(maxsize=1)(answerer.encode), lru_cache(maxsize=1)(measured_of)
 
-    def told(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
+    def words(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
         ways = map(encoded.belief.way, encoded.belief.by_size())
         return next((way for way in ways if way in among), None)
 
@@ -167,7 +167,7 @@ def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
 
         return read
 
-    reads = {GENERATED: words_of(answerer, question_for), TOLD: told}
+    reads = {GENERATED: words_of(answerer, question_for), TOLD: words}
     reads |= {LEANING: lambda encoded, among: leaning_of(encoded.belief, among)}
     reads |= {name: alone(name) for name in CANDIDATES}
     network = answerer.bundle.motion
@@ -200,8 +200,8 @@ def _with_best(share: Share) -> Iterator[Row]:
     for row in rows:
         if row.variant == LEANING and row.case in alone:
             best = max(alone[row.case], key=lambda other: other.right)
-            found = {"name": best.variant, "difference": best.error - row.error}
-            row = replace(row, detail={**row.detail, "best": found})
+            nearest = {"name": best.variant, "difference": best.error - row.error}
+            row = replace(row, detail={**row.detail, "best": nearest})
         yield row
 
 

@@ -76,15 +76,15 @@ def case_of(moved: MovedImprint) -> str:
 
 def moved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[Row]:
     """Yield what is told of motions of one size, and what each method leans to."""
-    families, told, right = [], [], []
+    families, named, right = [], [], []
     leaning: dict[str, list[bool]] = {name: [] for name in METHODS}
     for moved, seen in answered:
         families.append(moved.family)
-        told.append(seen.told(moved.component))
-        right.append(told[-1] is moved.way)
+        named.append(seen.named(moved.component))
+        right.append(named[-1] is moved.way)
         for name, own in leaning.items():
             own.append(seen.leans(name, moved.component) is moved.way)
-    claims = np.array([named is not None for named in told])
+    claims = np.array([way is not None for way in named])
     detail = {
         "claimed": float(claims.mean()),
         "claimed_interval": clustered_interval(claims, families, seed=seed),
@@ -114,14 +114,16 @@ def off_by(name: str, answered: Sequence[Answered]) -> dict[str, float]:
 def unmoved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[Row]:
     """Yield the share of clips in which no turn and no slide is told, there being none."""
     families = [moved.family for moved, _ in answered]
-    told = {
-        part: np.array([seen.told(part) is not None for _, seen in answered]) for part in MOVING
+    claimed = {
+        part: np.array([seen.named(part) is not None for _, seen in answered]) for part in MOVING
     }
     touch = np.mean(
         [seen.belief is not None and seen.belief.contact >= 0.5 for _, seen in answered]
     )
-    detail = {str(part): float(own.mean()) for part, own in told.items()} | {"touch": float(touch)}
-    silent = ~np.logical_or(*told.values())
+    detail = {str(part): float(own.mean()) for part, own in claimed.items()} | {
+        "touch": float(touch)
+    }
+    silent = ~np.logical_or(*claimed.values())
     yield share_row(case, TOLD, silent, families, seed, detail=detail)
     # Of what grows, a path is no noise.
     for name in CANDIDATES if answered[0][0].way is Motion.STILL else ():
@@ -134,8 +136,8 @@ def surviving_rows(
     """Yield the share of turns told of a press that are told the other way of it backwards."""
     survives, families = [], []
     for (moved, seen), (_, reverse) in zip(pressed, backwards, strict=True):
-        if way := seen.told(Component.TURN):
-            survives.append(reverse.told(Component.TURN) is opposite(way))
+        if way := seen.named(Component.TURN):
+            survives.append(reverse.named(Component.TURN) is opposite(way))
             families.append(moved.family)
     if survives:
         yield share_row(case, TOLD, survives, families, seed)

@@ -285,7 +285,7 @@ class EventFinder:
     def _moving_since(self) -> list[int]:
         """Return where the turn and the slide that are not over yet began."""
         begun = self.going_on
-        return [begun[one] for one in (Component.TURN, Component.SLIDE) if one in begun]
+        return [begun[part] for part in (Component.TURN, Component.SLIDE) if part in begun]
 
     def _closed(self, last: Moment, *, is_let_go: bool = False) -> list[Event]:
         events, lifting = [], None

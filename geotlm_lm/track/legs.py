@@ -116,8 +116,8 @@ class Legs:
 
     def _begin(self, point: Point) -> None:
         past = self._recent
-        ways = point.at - np.array([one.at for one in past])
-        own = point.variance - np.array([one.variance for one in past])
+        ways = point.at - np.array([other.at for other in past])
+        own = point.variance - np.array([other.variance for other in past])
         least = SIGNIFICANT * np.sqrt(point.floor**2 + own.clip(min=0)) + 1e-12
         beyond = np.sqrt(np.square(ways).sum(axis=1)) / least
         start = int(np.argmax(beyond))
@@ -126,8 +126,8 @@ class Legs:
         self._reach = _far(past[start], point)
         heading = (point.at - past[start].at) / max(self._reach, 1e-12)
         edge = min(EDGE * SIGNIFICANT * point.floor, self._reach / 2)
-        done = [float((one.at - past[start].at) @ heading) for one in past[start:]]
-        self._leg = past[start + max(k for k, one in enumerate(done) if one <= edge) :]
+        done = [float((other.at - past[start].at) @ heading) for other in past[start:]]
+        self._leg = past[start + max(k for k, far in enumerate(done) if far <= edge) :]
 
     def _closed(self) -> Leg:
         """End the leg; what follows its farthest point may begin the next one."""

@@ -44,7 +44,7 @@ def track_of_clip(shown: Sequence[Shown], belief: Belief, notes: tuple[str, ...]
     What moves by the belief is an event from the first frame to the last, spread over the steps as
     these were measured.
     """
-    rows, count = [one.row for one in shown], len(shown)
+    rows, count = [frame.row for frame in shown], len(shown)
     events = _events(rows, belief)
     twists, covariances = np.zeros((count, 4)), np.zeros((count, 4, 4))
     for event in events:
@@ -94,7 +94,7 @@ def _events(rows: Sequence[Row], belief: Belief) -> list[Event]:
         for component in COMPONENTS
         if belief.moves(component) >= 0.5
     ]
-    is_held = not {Component.TURN, Component.SLIDE} & {one.component for one in moving}
+    is_held = not {Component.TURN, Component.SLIDE} & {event.component for event in moving}
     if is_held and last.time_s - first.time_s >= STICK_S:
         moving.append(replace(whole, kind=EventKind.STICK))
     return [touch, *moving]
@@ -126,7 +126,7 @@ def _shares(rows: Sequence[Row], part: slice) -> Floats:
     else:
         steps = [row.step for row in rows[1:]]
         lengths = np.array(
-            [0.0 if one is None else np.linalg.norm(one.twist[part]) for one in steps]
+            [0.0 if step is None else np.linalg.norm(step.twist[part]) for step in steps]
         )
     total = lengths.sum()
     shares = lengths / total if total > 0 else np.full(len(lengths), 1 / len(lengths))

@@ -205,7 +205,7 @@ class Track:
     @property
     def floors(self) -> Floats:
         """Deviations of a way of no length, (4,)."""
-        turn, slide, press = (floor_of(one, self.middle_radius_px) for one in COMPONENTS)
+        turn, slide, press = (floor_of(part, self.middle_radius_px) for part in COMPONENTS)
         return np.array([turn, slide, slide, press])
 
     def contacts(self) -> tuple[tuple[float, float], ...]:

@@ -221,7 +221,7 @@ class Tracker:
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
         if self._is_short and len(self._shown) > 1:
-            clip = Clip(np.stack([one.frame for one in self._shown]), background=self.idle)
+            clip = Clip(np.stack([shown.frame for shown in self._shown]), background=self.idle)
             return track_of_clip(self._shown, self._whole(clip), self._notes())
         self._settled()
         self._events += self._told(self._finder.finish())
