@@ -57,7 +57,7 @@ MIDDLE_PX = 6.0
 object's seems to slide: of 18 simulated turns of 5 degrees and more without a slide 97 % seem to
 slide by less than 14 pixels a radian, of 854 half by 8 more or less than they do."""
 
-RELATIVE, UNKNOWN_RELATIVE = (0.08, 1.0), 0.2
+RELATIVE, UNKNOWN_RELATIVE = (0.03, 1.0), 0.2
 """Bounds of an amount's deviation as a share of it, and what it is far from what was seen."""
 
 LEAST_MM, PRESS_SCALE_MM = 0.01, 0.2

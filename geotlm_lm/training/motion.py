@@ -26,9 +26,6 @@ BATCH = 256
 PEAK_RATE = 2e-3
 WEIGHT_DECAY = 0.02
 
-MOST_LOSS = 30.0
-"""Most that one number's error costs: a motion that nothing measured teaches nothing."""
-
 
 @dataclass(frozen=True, eq=False)
 class Truths:
@@ -128,7 +125,7 @@ def motion_network_loss(beliefs: Beliefs, true: Truths) -> Tensor:
     # A Laplace density's scale is its deviation over the root of two.
     scale = beliefs.deviation / 2**0.5
     errors = (stated - wanted.nan_to_num()).abs() / scale + scale.log()
-    spread = _mean(errors.clamp(max=MOST_LOSS), ~wanted.isnan())
+    spread = _mean(errors, ~wanted.isnan())
     readable = _cross_entropy(beliefs.readable, true.readable)
     contact = _cross_entropy(beliefs.contact, true.contact)
     turns = (true.moves[:, 0] == 1) & ~true.turn_rad.isnan()

@@ -154,7 +154,7 @@ def test_a_stream_is_told_what_its_recording_is(clip):
 
 
 REAL_EVERY = 15
-"""Of the real recordings at hand one in so many is tracked here: all of them take a quarter hour."""
+"""Of the real recordings at hand one in so many is tracked: all take a quarter hour and more."""
 
 
 @pytest.mark.slow
