@@ -16,12 +16,15 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from geotlm_lm.backbone.motions import MEASURED
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import BARELY_PX, COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 
 HIDDEN, DROPOUT = 192, 0.1
+
+RELIEF_CHAINED = MEASURED.index("relief_chained")
 
 TURN_NOISE = (4.0, 11.0, 4.5, 9.0, 1.0)
 SLIDE_NOISE = (3.6, 10.0, 5.0, 9.0, 1.0)
@@ -257,7 +260,7 @@ class MotionNetwork(nn.Module):
         self.register_buffer("scale", torch.ones(hints))
         self.register_buffer("axes", torch.zeros(AXES, hints))
         self.register_buffer("reach", torch.tensor(math.inf))
-        self.register_buffer("widening", torch.ones(4))
+        self.register_buffer("widening", torch.ones(2, 4))  # where a relief is measured, and not
         self.register_buffer("least", torch.tensor(SIGNIFICANT))
         self.layers = nn.Sequential(
             nn.Linear(hints, HIDDEN),
@@ -342,14 +345,15 @@ class MotionNetwork(nn.Module):
         sizes = torch.stack([path[:, 0].abs(), path[:, 1:].norm(dim=1)], dim=1)
         spread = torch.stack([turn.spread, slide.spread], dim=1)
         amount = torch.hypot(relative * sizes, spread)[:, [0, 1, 1]]
-        wide = torch.hypot(stillness, self.widening[:3] * amount)
+        wider = self.widening[(~measured.is_measured[:, RELIEF_CHAINED]).long()]
+        wide = torch.hypot(stillness, wider[:, :3] * amount)
         clear = [_clear(*each, path) for each in zip(plain, (stillness[:, :1], stillness[:, 1:]),
                                                      parts, strict=True)]  # fmt: skip
         return Beliefs(
             path=path,
             inward_mm=inward,
             noise=torch.cat([stillness, off_mm], dim=1),
-            deviation=torch.cat([wide, off_mm * self.widening[3:]], dim=1),
+            deviation=torch.cat([wide, off_mm * wider[:, 3:]], dim=1),
             significance=torch.stack([*clear, inward.abs() / off_mm[:, 0]], dim=1),
             sense=_sense(measured.paths[..., 0], turn, path[:, 0] / wide[:, 0]),
             contact=own["contact"].squeeze(1),

@@ -15,9 +15,9 @@ from torch import Tensor
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.tolerance import within_tolerance
-from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, Component
 from geotlm_lm.motion.measured import Measured
-from geotlm_lm.motion.network import Beliefs, MotionNetwork
+from geotlm_lm.motion.network import RELIEF_CHAINED, Beliefs, MotionNetwork
 from geotlm_lm.training.fit import fit, learn
 from geotlm_lm.training.truth import ClipTruth, component_truth
 
@@ -224,13 +224,25 @@ def set_significance(
 
 @torch.inference_mode()
 def widen_spans(network: MotionNetwork, measured: Measured, labels: Sequence[MotionLabel]) -> None:
-    """Let the spans of nine in ten hold as many, of clips of objects the network has not seen."""
+    """Let the spans of nine in ten hold as many, of clips of objects the network has not seen.
+
+    On gels with dots, which lag behind the object, they are wider. What moves barely is left out: noise is most of it, and no share of it.
+    """
     truths = [component_truth(label) for label in labels]
+
+    def is_barely(amount: Amount) -> bool:
+        path = truths[amount.row].twist.path(amount.component, labels[amount.row].radius_px)
+        return path < (BARELY_MM if amount.component is Component.PRESS else BARELY_PX)
+
     amounts = list(believed_amounts(network(measured), truths))
-    for places, component in zip(((0,), (1, 2), (3,)), COMPONENTS, strict=True):
-        off = [amount.deviations_off for amount in amounts if amount.component is component]
-        if len(off) >= FEWEST_WIDENED:
-            network.widening[list(places)] *= float(np.quantile(off, 0.9)) / SPAN_DEVIATIONS
+    amounts = [amount for amount in amounts if not is_barely(amount)]
+    kinds = (~measured.is_measured[:, RELIEF_CHAINED]).long().tolist()
+    for kind, wider in enumerate(network.widening):
+        own = [amount for amount in amounts if kinds[amount.row] == kind]
+        for places, component in zip(((0,), (1, 2), (3,)), COMPONENTS, strict=True):
+            off = [amount.deviations_off for amount in own if amount.component is component]
+            if len(off) >= FEWEST_WIDENED:
+                wider[list(places)] *= float(np.quantile(off, 0.9)) / SPAN_DEVIATIONS
 
 
 @torch.inference_mode()
