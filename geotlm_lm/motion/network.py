@@ -248,7 +248,8 @@ def mixed(values: Tensor, noise: Tensor, gate: Tensor) -> Mixed:
 class MotionNetwork(nn.Module):
     """Turn what is measured into what is believed.
 
-    Its deviations are widened so that spans hold nine in ten on objects that it has not seen.
+    Its deviations are widened so that spans hold nine in ten on objects that it has not seen, where
+    a relief is measured and where dots stand in its place.
     """
 
     PARTS = tuple(_NAMES_OF)

@@ -226,7 +226,8 @@ def set_significance(
 def widen_spans(network: MotionNetwork, measured: Measured, labels: Sequence[MotionLabel]) -> None:
     """Let the spans of nine in ten hold as many, of clips of objects the network has not seen.
 
-    On gels with dots, which lag behind the object, they are wider. What moves barely is left out: noise is most of it, and no share of it.
+    On gels with dots, which lag behind the object, they are wider. What moves barely is left out:
+    noise is most of it, and no share of it.
     """
     truths = [component_truth(label) for label in labels]
 
