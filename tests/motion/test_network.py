@@ -94,10 +94,10 @@ def test_far_from_what_was_seen_nothing_learned_is_used(trained, untrained):
 
 
 def test_a_motion_is_told_from_noise_by_its_significance_not_its_size(untrained):
-    motions = ((0.2, 0.0, 0.2), (0.01, 0.01, 0.0))
+    motions = ((0.2, 0.0, 0.0), (0.0, 0.0, 0.2), (0.01, 0.0, 0.01))
     sharp, noisy = (untrained(alike(*motions, white=white)) for white in (0.005, 0.1))
-    assert (sharp.moves[:, :2] > 0).tolist() == [[True, True], [False, False]]
-    assert (noisy.moves[:, :2] > 0).tolist() == [[False, False], [False, False]]
+    assert (sharp.moves[:, :2] > 0).tolist() == [[True, False], [False, True], [False, False]]
+    assert not (noisy.moves[:, :2] > 0).any()
 
 
 def test_twice_the_noise_raises_the_limit_to_twice(untrained):
@@ -107,10 +107,17 @@ def test_twice_the_noise_raises_the_limit_to_twice(untrained):
 
 
 def test_what_grows_has_to_move_farther_to_be_seen(untrained):
-    still, growing = (untrained(alike((0.5, 0.5, 0.0), growth=g)) for g in (0.0, 1.0))
-    assert bool((growing.limits[:, :2] > 3 * still.limits[:, :2]).all())
-    assert (still.moves[0, :2] > 0).tolist() == [True, True]
-    assert (growing.moves[0, :2] > 0).tolist() == [False, False]
+    still, growing = (untrained(alike((0.5, 0.0, 0.0), growth=g)) for g in (0.0, 1.0))
+    assert float(growing.limits[0, 0]) > 3 * float(still.limits[0, 0])
+    assert (float(still.moves[0, 0]) > 0, float(growing.moves[0, 0]) > 0) == (True, False)
+
+
+def test_beside_a_turn_a_slide_is_doubted_by_where_the_middle_may_lie(untrained):
+    alone, beside = (untrained(alike((turn, 0.0, 3.0))) for turn in (0.0, 10.0))
+    assert float(beside.limits[0, 1]) > 5 * float(alone.limits[0, 1])
+    # The farther out the contact reaches, the less a turn by that path is.
+    wide = replace(alike((10.0, 0.0, 3.0)), radius_px=torch.tensor([200.0]))
+    assert float(untrained(wide).limits[0, 1]) < float(beside.limits[0, 1])
 
 
 def test_candidates_that_hardly_agree_raise_the_limit_and_no_span_told_reaches_zero(untrained):
