@@ -356,7 +356,7 @@ class MotionNetwork(nn.Module):
             noise=torch.cat([stillness, off_mm], dim=1),
             deviation=torch.cat([wide, off_mm * wider[:, 3:]], dim=1),
             significance=torch.stack([*clear, inward.abs() / off_mm[:, 0]], dim=1),
-            sense=_sense(measured.paths[..., 0], turn, path[:, 0] / wide[:, 0]),
+            sense=_sense(measured.paths[..., 0], turn, path[:, 0] / stillness[:, 0]),
             contact=own["contact"].squeeze(1),
             readable=own["readable"],
             least=self.least,
