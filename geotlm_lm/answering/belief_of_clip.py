@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from math import inf
 
@@ -33,9 +34,11 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     doubtful = [part for part in moving if belief.path(part) < CLEAR * belief.limits.get(part, inf)]
     if not doubtful or belief.moves(Component.PRESS) < 0.5:
         return belief
-    clip = encoded.clip.reversed()
+    started, clip = time.perf_counter(), encoded.clip.reversed()
     backwards = replace(encoded, clip=clip, perception=bundle.model.perceive([clip]))
-    return fused(belief, _first_belief(bundle, backwards))
+    belief = fused(belief, _first_belief(bundle, backwards))
+    encoded.timing_ms["backwards"] = 1e3 * (time.perf_counter() - started)
+    return belief
 
 
 def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
