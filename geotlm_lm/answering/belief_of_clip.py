@@ -32,7 +32,9 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
     belief = _first_belief(bundle, encoded)
     moving = [part for part in (Component.TURN, Component.SLIDE) if belief.moves(part) >= 0.5]
     doubtful = [part for part in moving if belief.path(part) < CLEAR * belief.limits.get(part, inf)]
-    if not doubtful or belief.moves(Component.PRESS) < 0.5:
+    # Where contact is not known, nor is whether it is pressed.
+    is_pressed = belief.moves(Component.PRESS) >= 0.5 or not encoded.is_contact_known
+    if not (doubtful and is_pressed):
         return belief
     started, clip = time.perf_counter(), encoded.clip.reversed()
     backwards = replace(encoded, clip=clip, perception=bundle.model.perceive([clip]))

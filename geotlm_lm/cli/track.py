@@ -160,10 +160,14 @@ def event_line(event: Event, units: Units, *, in_frames: bool = False) -> str:
     begin, end = (f"{number}" if in_frames else f"{number:.2f} s" for number in ends)
     band, far, likely = band_of(event, units), "", ""
     if band.unit:
-        decimals = {"px": 1, "mm": 2}.get(band.unit, 0)
-        far = f"{band.amount:.{decimals}f} {band.unit}"
-        likely = f"{band.low:.{decimals}f} to {band.high:.{decimals}f}"
+        far = f"{plain(band.amount)} {band.unit}"
+        likely = f"{plain(band.low)} to {plain(band.high)}"
     return aligned((begin, end, band.name, far, likely, f"{event.probability:.2f}"))
+
+
+def plain(amount: float) -> str:
+    """Return an amount with two digits, or as a whole number."""
+    return f"{amount:.0f}" if abs(amount) >= 10 else f"{amount:.2g}"
 
 
 def aligned(cells: tuple[str, ...]) -> str:
@@ -186,15 +190,17 @@ def totals_lines(exported: Exported) -> list[str]:
     )
     sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
     turned = (
-        f"Turned by {abs(turn['amount']):.0f} degrees {sense} from first to last, "
-        f"{way['amount']:.0f} there and back."
+        f"Turned by {plain(abs(turn['amount']))} degrees {sense} from first to last, "
+        f"{plain(way['amount'])} there and back."
     )
     slid = (
         f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there and "
         f"back"
     )
+    limits = [totals["turn_limit"], totals["slide_limit"]]
+    turn_beyond, slide_beyond = ("" if x is None else f" by more than {plain(x)}" for x in limits)
     if not way["amount"]:
-        turned = f"Does not turn by more than {totals['turn_limit']:.2g} degrees."
+        turned = f"Does not turn{turn_beyond}{' degrees' * bool(turn_beyond)}."
     if not far["amount"]:
-        slid = f"Does not slide by more than {totals['slide_limit']:.2g} {unit}"
+        slid = f"Does not slide{slide_beyond}{f' {unit}' * bool(slide_beyond)}"
     return [turned, f"{slid}; {touched}."]

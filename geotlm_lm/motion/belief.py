@@ -117,19 +117,42 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
     other = backwards.seen(BACKWARDS)
     one, two = (np.array([x.turn_deg, x.right_px, x.down_px]) for x in (belief.mean, other.mean))
     turn, right, down = ((one + two) / 2).tolist()
-    apart = np.append(one - two, 0.0)
+    gap = np.append(one - two, 0.0)
     ways = dict(belief.ways)
     for component in (Component.TURN, Component.SLIDE):
         # Of two opposite ways one is wrong at least.
         weight = 0.5 if belief.way(component) is opposite(other.way(component)) else 1.0
         for way in WAYS[component]:
             ways[way] = weight * math.sqrt(belief.ways[way] * other.ways[way])
-    return replace(
+    limits = {part: max(own, other.limits.get(part, own)) for part, own in belief.limits.items()}
+    both = replace(
         belief,
         mean=Twist(turn, right, down, belief.mean.inward_mm),
-        covariance=(belief.covariance + other.covariance + np.outer(apart, apart)) / 2,
+        covariance=(belief.covariance + other.covariance + np.outer(gap, gap)) / 2,
         ways=ways,
+        limits=limits,
     )
+    covariance = both.covariance
+    for component, part in ((Component.TURN, slice(0, 1)), (Component.SLIDE, slice(1, 3))):
+        moves, amount = both.moves(component), both.amount(component)
+        if moves >= 0.5 and SPAN_DEVIATIONS * float(np.linalg.norm(gap[part])) / 2 > amount:
+            # Forwards and backwards are farther apart than it goes: it may as well be at rest.
+            ways |= {way: ways[way] * UNTOLD / moves for way in WAYS[component]}
+        elif moves >= 0.5 and amount > 0 and gap[part].any():
+            # What is told is told not to be at rest.
+            least = SPAN_DEVIATIONS * both.deviation(component) / amount
+            covariance[part, part] /= max(least / MOST_OF_AMOUNT, 1.0) ** 2
+    return replace(both, ways=ways, covariance=covariance)
+
+
+MOST_OF_AMOUNT = 0.95
+"""Half of a span of nine in ten as a share of an amount that is told, at the most."""
+
+SPAN_DEVIATIONS = 1.645
+"""Half of a span of nine in ten."""
+
+UNTOLD = 0.49
+"""Probability of a motion that is not told, at the most."""
 
 
 PX_PER_MM = 12.8

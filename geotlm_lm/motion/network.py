@@ -343,13 +343,14 @@ class MotionNetwork(nn.Module):
         off_mm = LEAST_MM + PRESS_SCALE_MM * own["inward_deviation"].clamp(-6, 2).exp()
         stillness = self._noise(measured, *plain)
         relative = _between(own["relative"], RELATIVE, UNKNOWN_RELATIVE, trust)
+        clear = [_clear(*each, path) for each in zip(plain, (stillness[:, :1], stillness[:, 1:]),
+                                                     parts, strict=True)]  # fmt: skip
+        path = self._beyond_limits(path, stillness, torch.stack(clear, dim=1))
         sizes = torch.stack([path[:, 0].abs(), path[:, 1:].norm(dim=1)], dim=1)
         spread = torch.stack([turn.spread, slide.spread], dim=1)
         amount = torch.hypot(relative * sizes, spread)[:, [0, 1, 1]]
         wider = self.widening[(~measured.is_measured[:, RELIEF_CHAINED]).long()]
         wide = torch.hypot(stillness, wider[:, :3] * amount)
-        clear = [_clear(*each, path) for each in zip(plain, (stillness[:, :1], stillness[:, 1:]),
-                                                     parts, strict=True)]  # fmt: skip
         return Beliefs(
             path=path,
             inward_mm=inward,
@@ -364,6 +365,18 @@ class MotionNetwork(nn.Module):
             slide_weights=slide.weights,
             radius_px=measured.radius_px,
         )
+
+    def _beyond_limits(self, path: Tensor, noise: Tensor, clear: Tensor) -> Tensor:
+        """Return paths (b, 3) that are at their limit, where it is learned that they cross it.
+
+        Whether turn and slide are significant was decided by what was measured, `clear` (b, 2).
+        """
+        sizes = torch.stack([path[:, 0].abs(), path[:, 1:].norm(dim=1)], dim=1).clamp(min=1e-6)
+        across = (path[:, 1:] * noise[:, 1:]).norm(dim=1) / sizes[:, 1]
+        limits = self.least[:2] * torch.stack([noise[:, 0], across], dim=1)
+        is_seen = clear >= self.least[:2]
+        kept = torch.where(is_seen, torch.maximum(sizes, limits), torch.minimum(sizes, limits))
+        return path * (kept / sizes)[:, [0, 1, 1]]
 
     def _noise(self, measured: Measured, turn: Mixed, slide: Mixed) -> Tensor:
         """Return the deviation of turn, right and down where neither turns or slides, (b, 3)."""
@@ -407,12 +420,18 @@ def _sense(paths: Tensor, turn: Mixed, beyond: Tensor) -> Tensor:
 def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Belief:
     """Return what is believed of one of the clips as a value to answer from.
 
-    Doubt widens noise and spread, and flattens the probabilities.
+    Doubt multiplies noise and spread, and flattens the probabilities.
     """
     own = beliefs.only(slice(place, place + 1))
     numbers = tuple(own.vector()[0].tolist())
-    own = replace(own, deviation=own.stated * doubt, noise=own.noise * doubt)
-    turn, slide, press = (own.moves[0] / doubt).sigmoid().double().tolist()
+    own = replace(
+        own,
+        deviation=own.deviation * doubt,
+        noise=own.noise * doubt,
+        significance=own.significance / doubt,
+    )
+    own = replace(own, deviation=own.stated)
+    turn, slide, press = own.moves[0].sigmoid().double().tolist()
     clockwise = float(torch.sigmoid(torch.logit(own.sense) / doubt))
     beyond = own.inward_mm / own.deviation[:, 3]
     inward = float(0.5 * (1 + torch.erf(beyond / (2**0.5 * doubt))))

@@ -168,6 +168,8 @@ class Judge:
         """Yield every state and its probability; they sum to 1."""
         belief = self.belief
         touching = min(max(belief.contact, *map(belief.moves, COMPONENTS)), 1.0)
+        if not belief.is_contact_known:
+            touching = 1.0
         yield State(frozenset(), False, dict.fromkeys(bounded, 0.0)), 1.0 - touching
         if touching <= 0:
             return

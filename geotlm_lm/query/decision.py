@@ -117,6 +117,7 @@ class Decision:
         missing: Why it cannot be told; None where it is.
         is_frame_known: The point of view was named in the sentences before.
         each: Of two clips what answers the same of either.
+        is_contact_known: Whether anything tells that something touches.
         recording: The file that it is told of; None where it is the one at hand.
     """
 
@@ -139,6 +140,7 @@ class Decision:
     missing: str | None = None
     is_frame_known: bool = False
     each: tuple[Decision, ...] = ()
+    is_contact_known: bool = True
     recording: Recording | None = None
 
     @property

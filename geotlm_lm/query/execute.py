@@ -146,6 +146,7 @@ def _kind(scene: Scene, _: t.Ask) -> Decision:
 
 
 def _claim(scene: Scene, ask: t.Ask) -> Decision:
+    scene.require_visible(ask.proposition)
     chance = scene.judge.chance(ask.proposition)
     verdict = chance >= 0.5
     found = scene.telling(_subjects(ask.proposition))

@@ -15,6 +15,7 @@ from geotlm_lm.query.amounts import (
     Measure,
     Missing,
     Recording,
+    bell,
     component_of,
     factor,
     limit,
@@ -22,7 +23,7 @@ from geotlm_lm.query.amounts import (
     sized,
 )
 from geotlm_lm.query.amounts import usual_unit as unit_of
-from geotlm_lm.query.bounds import judged_literals, timed_as, timings
+from geotlm_lm.query.bounds import is_of_recording, judged_literals, measured, timed_as, timings
 from geotlm_lm.query.chance import Judge
 from geotlm_lm.query.decision import ContactArea, Decision, Evidence, Limit, Movement
 from geotlm_lm.query.happenings import happens
@@ -115,7 +116,8 @@ class Scene:
 
     def decision(self, **found: object) -> Decision:
         """Return a decision on this part."""
-        return Decision(self.part, self.frame, **found)
+        is_known = self.belief.is_contact_known
+        return Decision(self.part, self.frame, is_contact_known=is_known, **found)
 
     def movement(self, component: Component) -> Movement:
         """Return a component as it is told."""
@@ -200,6 +202,8 @@ class Scene:
         """
         belief = self.belief
         touching = max(belief.contact, *map(belief.moves, COMPONENTS))
+        if not belief.is_contact_known:  # then nothing tells that nothing touches, nor a press
+            touching, asked = 1.0, [each for each in asked if each is not Component.PRESS]
         if touching < 0.5:
             return {"rest": Motion.NONE, "denied": tuple(asked), "probability": 1 - touching}
         moving = belief.by_size()
@@ -214,17 +218,39 @@ class Scene:
             return found | {"rest": Motion.STILL, "probability": rest}
         return found | {"movements": moves, "probability": min(sure)}
 
+    def require_visible(self, proposition: t.Proposition) -> None:
+        """Refuse bounds below the limit of what is not seen to move: it may go so far, or not.
+
+        Raises:
+            Missing: If there is such a bound.
+        """
+        belief, seen = self.belief, self.belief.at_limit
+        for literal in proposition.literals:
+            is_amount = literal.bound is not None and timed_as(literal) is None
+            if not is_amount or is_of_recording(literal):
+                continue
+            name = measured(literal)
+            component = component_of(name)
+            if component not in belief.limits or belief.moves(component) >= 0.5:
+                continue
+            unseen = bell(seen, "slide" if component is Component.SLIDE else name)[0]
+            if abs(self.limit(name, literal.bound.low)) < abs(unseen):
+                raise Missing("unseen")
+
     def _limits(self, denied: Sequence[Component], *, is_at_rest: bool) -> tuple[Limit, ...]:
         """Return how far what does not move would have to go to be seen."""
         belief = self.belief
         if not belief.limits:
             return ()
+        # What the picture does not tell, an edge's travel along itself, has no limit.
         seen, slide = belief.at_limit, Component.SLIDE
-        if is_at_rest and slide not in denied:
+        both = [part for part in (slide, Component.TURN) if belief.readable[part]]
+        denied = [part for part in denied if belief.readable[part]]
+        if is_at_rest and slide not in denied and slide in both:
             # Neither turns nor slides: the larger path stands for both.
-            path = max(belief.limits[slide], belief.limits[Component.TURN])
+            path = max(belief.limits[part] for part in both)
             seen = replace(seen, mean=replace(seen.mean, right_px=path))
-            denied = (*denied, slide)
+            denied = [*denied, slide]
         is_scaled = self.frame.mm_per_px is not None
         units = {each: ("px", "mm") if each is slide and is_scaled else (None,) for each in denied}
         return tuple(

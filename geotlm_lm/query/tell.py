@@ -130,6 +130,9 @@ def _rest(decision: Decision) -> str:
     told = _REST[decision.rest]
     if decision.rest is not Motion.STILL:
         return told
+    if not decision.is_contact_known:
+        told = told.removeprefix("it touches but ")
+        told = f"it {told}"
     return told + limit_phrase(dict(decision.limits).get(Component.SLIDE, ()))
 
 
@@ -234,7 +237,8 @@ def _spanned(amount: Measure, decision: Decision) -> str:
 
 def _kind(decision: Decision, recording: Recording) -> str:
     if decision.rest is not None:
-        return {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[decision.rest]
+        name = {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[decision.rest]
+        return name + f": {_rest(decision)}" * bool(decision.limits)
     kinds = [_KINDS[one.component].value for one in decision.movements]
     return f"a {' and a '.join(kinds)}: {_clause(decision, recording)}"
 

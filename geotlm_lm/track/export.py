@@ -135,7 +135,7 @@ class Exported:
 
         What is net is from the first frame to the last; in all, the sum of what events go there and
         back. How long it is touched is None where contact is not known. A limit is what it would
-        have had to go at the least to be an event.
+        have had to go at the least to be an event; None where nothing touches.
         """
         track, net, units = self.track, self.track.net_twist, self.units
         touched_s = round(sum(last - first for first, last in track.contacts()), 4)
@@ -143,23 +143,30 @@ class Exported:
         slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
         slides = [units.amount(event)[0] for event in track.of(Component.SLIDE)]
         path = Span(sum(slide.mean for slide in slides), sum(slide.deviation for slide in slides))
-        limits = track.limits
-        turn_limit = np.degrees(limits[Component.TURN] / max(track.middle_radius_px, 1.0))
-        slide_limit = limits[Component.SLIDE] * max(units.travel[1])
+        turn_limit, slide_limit = self._limits()
         return {
             "frames": len(track),
             "seconds": round(track.seconds, 4),
             "touched_s": touched_s if track.is_contact_known else None,
             "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
-            "turn_limit": round(float(turn_limit), 3),
+            "turn_limit": turn_limit,
             "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
             "turned_back": track.turned_back(),
             "slide_net": _plain(slide) | {"unit": units.name},
-            "slide_limit": round(float(slide_limit), 3),
+            "slide_limit": slide_limit,
             "slide_right": round(float(right), 3),
             "slide_down": round(float(down), 3),
             "slide_in_all": _plain(path) | {"unit": units.name},
         }
+
+    def _limits(self) -> tuple[float | None, float | None]:
+        """Return how far a turn (degrees) and a slide have to go; None where nothing touches."""
+        limits, radius = self.track.limits, self.track.middle_radius_px
+        if not limits or not radius:
+            return None, None
+        turn = np.degrees(limits[Component.TURN] / radius)
+        slide = limits[Component.SLIDE] * max(self.units.travel[1])
+        return round(float(turn), 3), round(float(slide), 3)
 
     def to_dict(self) -> dict[str, Any]:
         """Return events, totals and notes as plain JSON values."""

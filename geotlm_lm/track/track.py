@@ -106,10 +106,12 @@ class Track:
     def limits(self) -> Mapping[Component, float]:
         """What is the least path of each component that would be an event: pixels, of a press mm.
 
-        Over all of the track; what goes faster is seen from less on.
+        Over all of the track, none where nothing touches; what goes faster is seen from less on.
         """
         if self.stated_limits is not None:
             return self.stated_limits
+        if not self.is_touched.any():
+            return {}
         own, radius = self.covariances.sum(axis=0), max(self.middle_radius_px, 1.0)
         limits = {
             component: SIGNIFICANT * noise_of(component, own, radius) for component in COMPONENTS

@@ -156,8 +156,7 @@ class Tracker:
         """The track as far as it is settled: to the end of the last event, or half a second ago."""
         shape = (0, 0) if self._before is None else self._before.shape[:2]
         scene, arrays = self._scene, self._table.arrays()
-        if scene.suspicion:
-            arrays["contact"] = 0.5 + DOUBTED * (arrays["contact"] - 0.5)
+        arrays["contact"] = self._contact_of(arrays["contact"])
         raw = Track(**arrays, events=(), frame_size=shape, notes=(*scene.notes, *self._notes()),
                     scene=scene, is_contact_known=self.is_contact_known)  # fmt: skip
         return decided(raw, self._doubted(self._events), self._finder.going_on)
@@ -222,7 +221,10 @@ class Tracker:
         """Return the track of all frames; the last events are those that the end cuts off."""
         if self._is_short and len(self._shown) > 1:
             clip = Clip(np.stack([shown.frame for shown in self._shown]), background=self.idle)
-            return track_of_clip(self._shown, self._whole(clip), self._notes())
+            track = track_of_clip(self._shown, self._whole(clip), self._scene.notes)
+            doubted = tuple(self._doubted(list(track.events)))
+            contact = self._contact_of(track.contact)
+            return replace(track, scene=self._scene, events=doubted, contact=contact)
         self._settled()
         self._events += self._told(self._finder.finish())
         return self.so_far
@@ -287,6 +289,9 @@ class Tracker:
     def _told(self, events: list[Event]) -> list[Event]:
         known = self._is_contact_known
         return [event for event in events if known or not event.is_of_contact]
+
+    def _contact_of(self, contact: NDArray) -> NDArray:
+        return 0.5 + DOUBTED * (contact - 0.5) if self._scene.suspicion else contact
 
     def _doubted(self, events: list[Event]) -> list[Event]:
         """Return events at most as probable as not where the pictures may not be a gel's."""
