@@ -132,21 +132,16 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
         ways=ways,
         limits=limits,
     )
-    covariance = both.covariance
+    alone = replace(both, covariance=(belief.covariance + other.covariance) / 2)
     for component, part in ((Component.TURN, slice(0, 1)), (Component.SLIDE, slice(1, 3))):
-        moves, amount = both.moves(component), both.amount(component)
-        if moves >= 0.5 and SPAN_DEVIATIONS * float(np.linalg.norm(gap[part])) / 2 > amount:
-            # Forwards and backwards are farther apart than it goes: it may as well be at rest.
+        moves, own = both.moves(component), alone.deviation(component)
+        apart = float(np.linalg.norm(gap[part])) / 2**0.5
+        reaches_zero = SPAN_DEVIATIONS * math.hypot(apart, own) > both.amount(component)
+        if moves >= 0.5 and reaches_zero and apart > own:
+            # Forwards and backwards are so far apart that it may as well be at rest.
             ways |= {way: ways[way] * UNTOLD / moves for way in WAYS[component]}
-        elif moves >= 0.5 and amount > 0 and gap[part].any():
-            # What is told is told not to be at rest.
-            least = SPAN_DEVIATIONS * both.deviation(component) / amount
-            covariance[part, part] /= max(least / MOST_OF_AMOUNT, 1.0) ** 2
-    return replace(both, ways=ways, covariance=covariance)
+    return replace(both, ways=ways)
 
-
-MOST_OF_AMOUNT = 0.95
-"""Half of a span of nine in ten as a share of an amount that is told, at the most."""
 
 SPAN_DEVIATIONS = 1.645
 """Half of a span of nine in ten."""
