@@ -55,7 +55,7 @@ LEAKING, GROWING_PX = 0.015, 0.35
 """Share of a turn's path, or a slide's, that may look as the other; and path of either that an
 imprint whose contrast grows by a factor of e may seem to make."""
 
-MIDDLE_PX = 6.0
+MIDDLE_PX = 7.0
 """Deviation of where the middle of a contact is believed, about which a turn that is none of the
 object's seems to slide: of 18 simulated turns of 5 degrees and more without a slide 97 % seem to
 slide by less than 14 pixels a radian, of 854 half by 8 more or less than they do."""
@@ -65,7 +65,7 @@ RELATIVE, UNKNOWN_RELATIVE = (0.03, 1.0), 0.2
 
 LEAST_MM, PRESS_SCALE_MM = 0.01, 0.2
 
-SIGNIFICANT = (3.3, 3.3, 1.0)
+SIGNIFICANT = (2.9, 2.9, 1.0)
 """Path over its noise from which on a turn, a slide and a press are significant, at the least: of
 real held imprints one in a hundred reaches it. Training raises what that does not suffice for."""
 
