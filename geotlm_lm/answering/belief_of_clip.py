@@ -12,7 +12,7 @@ from torch import Tensor
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.twist import WAYS, Component
-from geotlm_lm.motion.belief import Belief, fused
+from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 from geotlm_lm.track.block import believed
@@ -38,7 +38,7 @@ def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
         return belief
     started, clip = time.perf_counter(), encoded.clip.reversed()
     backwards = replace(encoded, clip=clip, perception=bundle.model.perceive([clip]))
-    belief = fused(belief, _first_belief(bundle, backwards))
+    belief = kept_from_zero(fused(belief, _first_belief(bundle, backwards)))
     encoded.timing_ms["backwards"] = 1e3 * (time.perf_counter() - started)
     return belief
 

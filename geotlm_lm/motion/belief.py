@@ -143,6 +143,19 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
     return replace(both, ways=ways)
 
 
+def kept_from_zero(belief: Belief) -> Belief:
+    """Return a belief no span of which reaches zero where a turn or a slide is told."""
+    covariance = belief.covariance.copy()
+    for component, part in ((Component.TURN, slice(0, 1)), (Component.SLIDE, slice(1, 3))):
+        far, amount = SPAN_DEVIATIONS * belief.deviation(component), belief.amount(component)
+        if belief.moves(component) >= 0.5 and far > MOST_OF_AMOUNT * amount > 0:
+            covariance[part, part] *= (MOST_OF_AMOUNT * amount / far) ** 2
+    return replace(belief, covariance=covariance)
+
+
+MOST_OF_AMOUNT = 0.95
+"""Half of a span of nine in ten as a share of an amount that is told, at the most."""
+
 SPAN_DEVIATIONS = 1.645
 """Half of a span of nine in ten."""
 

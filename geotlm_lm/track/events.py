@@ -26,7 +26,7 @@ SYSTEMATIC = (0.16, 0.16, 0.25)
 """Share of a turn, a slide and a press that is doubted beside what is measured step by step: what
 the pad holds back, it holds back in every step."""
 
-FLOOR_PX, FLOOR_MM = 0.15, 0.06
+FLOOR_PX, FLOOR_MM = 0.2, 0.06
 """Deviation of any leg, however short: of a turn as a path at the contact's radius."""
 
 STEPS = (0.15, 0.2, 0.45)

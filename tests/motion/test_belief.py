@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from geotlm_lm.core.edit import BACKWARDS, MIRRORED
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
-from geotlm_lm.motion.belief import Belief, fused
+from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
 
 SHARES = st.floats(0, 1)
 
@@ -112,3 +112,10 @@ def test_the_component_that_moves_the_imprint_farther_comes_first():
     assert turn_first.by_size() == [Component.TURN, Component.SLIDE]
     press_first = believed(Twist(2.0, 0.0, 3.0, 0.5), clockwise=0.9, down=0.9, press=0.9)
     assert press_first.by_size() == [Component.PRESS, Component.SLIDE, Component.TURN]
+
+
+def test_a_span_of_what_is_told_is_kept_from_zero_and_no_other():
+    belief = believed(Twist(5.0, 0.0, 3.0), np.diag([25.0, 4.0, 0.01, 1.0]), clockwise=0.9, up=0.3)
+    kept = kept_from_zero(belief)
+    assert 1.645 * kept.deviation(Component.TURN) == pytest.approx(0.95 * 5)
+    assert kept.deviation(Component.SLIDE) == belief.deviation(Component.SLIDE)
