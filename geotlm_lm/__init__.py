@@ -22,7 +22,7 @@ _HOME_OF = {
     "IMAGE_SUFFIXES": "geotlm_lm.recordings.images",
     "LEAST_SURE": "geotlm_lm.answering",
     "Motion": "geotlm_lm.core.labels",
-    "SPAN_DEVIATIONS": "geotlm_lm.track.events",
+    "SPAN_DEVIATIONS": "geotlm_lm.motion.belief",
     "Seen": "geotlm_lm.views",
     "Session": "geotlm_lm.answering",
     "TRUE_DISPLACEMENT": "geotlm_lm.views",

@@ -1,4 +1,4 @@
-"""What a clip's belief says in the units of its recording: amounts, spans, and what counts."""
+"""What a clip's belief says in the units of its recording: amounts, spans, limits."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class MeasuredMotion:
         right: Part of the slide to the right, in its unit.
         down: Part of it down the image.
         moves: Probability that each component moves.
-        ways: The likeliest way of each, given that it counts.
+        ways: The likeliest way of each, given that it moves.
         limits: How far each has to go to be seen, in the unit of its measure; None where that
             is not known.
         readable: Whether the picture tells how far each goes.

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from geotlm_lm.answering.evidence_of import recording_of
-from geotlm_lm.benchmarks.candidates import measured_of, twists_of
+from geotlm_lm.benchmarks.candidates import twists_of
 from geotlm_lm.benchmarks.cases import (
     MIXED_CLIPS,
     by_half,
@@ -52,6 +52,7 @@ from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.amounts import Measure, measure
 from geotlm_lm.simulation.truth import components_of, twist_of
+from geotlm_lm.track.block import measured_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
@@ -205,7 +206,7 @@ def mixture_rows(run: Run) -> list[Row]:
                 BELIEF: belief_prediction(encoded.belief),
                 GENERATED: words_prediction(run.answerer, encoded),
             }
-            for name, twist in twists_of(measured_of(encoded)).items():
+            for name, twist in twists_of(measured_of(encoded.clip, encoded.perception)).items():
                 predictions[name] = _rigid(twist)
             for name, rival in zip(RIVALS, FITS.values(), strict=True):
                 predictions[name] = _fit_prediction(rival, made.clip)
@@ -244,7 +245,7 @@ def amount_rows(run: Run) -> Iterator[Row]:
             encoded, component = run.answerer.encode(moved.clip), COMPONENT_OF[moved.motion].value
             amount = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
             answers.setdefault(BELIEF, []).append((moved, amount))
-            for name, twist in twists_of(measured_of(encoded)).items():
+            for name, twist in twists_of(measured_of(encoded.clip, encoded.perception)).items():
                 answers.setdefault(name, []).append((moved, amount_in(moved, twist)))
             for name, rival in FITS.items():
                 answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))

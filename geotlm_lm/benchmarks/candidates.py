@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 import torch
 
 from geotlm_lm.backbone.motions import MEASURED
-from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.benchmarks.cases import HALVES, MIXED_CLIPS, by_half, simulated_mixtures
 from geotlm_lm.benchmarks.clips import clip_shares
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
@@ -36,13 +35,13 @@ from geotlm_lm.benchmarks.variants import (
 )
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.geometry import pixel_aspect
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
-from geotlm_lm.motion.measured import Measured, measured
+from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import belief_of_one
 from geotlm_lm.probe.rigid_flow import classify_motion
 from geotlm_lm.simulation.truth import READABLE_GREY, twist_of
+from geotlm_lm.track.block import measured_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
@@ -96,7 +95,7 @@ def leanings(answerer: Answerer, clip: Clip) -> Leanings:
         encoded = answerer.encode(clip)
     except UnreadableClip:
         return Leanings()
-    paths = paths_of(measured_of(encoded))
+    paths = paths_of(measured_of(encoded.clip, encoded.perception))
     ways = {BELIEF: {part: encoded.belief.way(part) for part in MOVING}}
     ways |= {name: ways_of(*path) for name, path in paths.items()}
     given = on_gel(clip)
@@ -122,31 +121,22 @@ def twists_of(seen: Measured) -> dict[str, Twist]:
 
 
 @torch.inference_mode()
-def measured_of(encoded: Encoded) -> Measured:
-    """Return what is measured of a perceived clip, as the belief is given it."""
-    clip, perception = encoded.clip, encoded.perception
-    inputs, motions = perception.inputs, perception.motions
-    if inputs is None or not motions:
-        stem = measure_clip(clip)
-        inputs, motions = torch.from_numpy(stem.inputs[None]), (stem.motions,)
-    numbers = torch.from_numpy(motions[0].numbers())[None]
-    aspect = pixel_aspect(*clip.frames.shape[1:3])
-    return measured(inputs, numbers, perception.geometry, perception.fused_token, aspect)
-
-
-@torch.inference_mode()
 def weights_of(answerer: Answerer, seen: Measured) -> dict[str, float]:
-    """Return how much each of what is measured weighs; none where the network does not tell."""
-    weights = getattr(answerer.bundle.motion(seen), "weights", None)
-    return {} if weights is None else dict(zip(CANDIDATES, weights[0].tolist(), strict=False))
+    """Return how much each of what is measured weighs."""
+    weights = answerer.bundle.motion(seen).weights[0].tolist()
+    return dict(zip(CANDIDATES, weights, strict=True))
 
 
 def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     """Return words, what is told, the leaning, each candidate alone and the rivals, by name.
 
-    A network that names `PARTS` is also asked without each of what it learned.
+    The network is also asked without each part of what it learned.
     """
-    perceive, seen = lru_cache(maxsize=1)(answerer.encode), lru_cache(maxsize=1)(measured_of)
+    perceive = lru_cache(maxsize=1)(answerer.encode)
+
+    @lru_cache(maxsize=1)
+    def seen(encoded: Encoded) -> Measured:
+        return measured_of(encoded.clip, encoded.perception)
 
     def words(encoded: Encoded, among: tuple[Motion, ...]) -> Motion | None:
         ways = map(encoded.belief.way, encoded.belief.by_size())
@@ -171,7 +161,7 @@ def candidate_variants(answerer: Answerer, seed: int) -> dict[str, Variant]:
     reads |= {LEANING: lambda encoded, among: leaning_of(encoded.belief, among)}
     reads |= {name: alone(name) for name in CANDIDATES}
     network = answerer.bundle.motion
-    for part in getattr(network, "PARTS", ()):
+    for part in network.PARTS:
         reads[f"belief without {part}"] = without(network.without(part))
     own = {name: after_perceiving(perceive, read) for name, read in reads.items()}
     leaning = own[LEANING]

@@ -10,12 +10,9 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
 from geotlm_lm.core.twist import Component
-from geotlm_lm.motion.belief import Belief
+from geotlm_lm.motion.belief import SPAN_DEVIATIONS, Belief
 from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
 from geotlm_lm.query.types import PER, UNITS, WAY_ATOMS
-
-SPAN_DEVIATIONS = 1.645
-"""Deviations either side that hold nine tenths of a bell."""
 
 OF_ATOM: dict[str, tuple[str, int]] = {
     "cw": ("turn", 1),

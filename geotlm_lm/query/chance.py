@@ -41,7 +41,7 @@ class State:
     """One way it may be.
 
     Args:
-        ways: Of the components that count.
+        ways: Of the components that move.
         touches: Whether something does.
         amounts: Signed amounts that a proposition bounds, by name, in their base unit.
         events: Whether what only a recording shows is so, denied or not.
@@ -137,9 +137,9 @@ class Judge:
         if way is not None and (way not in state.ways or amount * OF_ATOM[literal.atom][1] < 0):
             return False
         component = _COMPONENT.get(name, "slide")
-        counts = any(COMPONENT_OF[one].value == component for one in state.ways)
-        # What does not count goes no half degree either, however small that is.
-        if not counts and literal.bound.relation != "less":
+        moves = any(COMPONENT_OF[one].value == component for one in state.ways)
+        # What does not move goes no half degree either, however small that is.
+        if not moves and literal.bound.relation != "less":
             return False
         return meets(literal, amount, partial(self.limit, name))
 

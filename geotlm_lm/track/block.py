@@ -19,7 +19,7 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import FRAME_COUNT, pixel_aspect
 from geotlm_lm.model import GeoTLM, Perception
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.motion.measured import measured
+from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import MotionNetwork, belief_of_one
 from geotlm_lm.track.exposure import Exposure
 from geotlm_lm.track.keyframes import Step
@@ -170,11 +170,16 @@ def believed(
 
     The doubt is a factor that widens the spread and flattens the probabilities.
     """
+    return belief_of_one(motion(measured_of(clip, perception)), doubt=doubt)
+
+
+@torch.inference_mode()
+def measured_of(clip: Clip, perception: Perception) -> Measured:
+    """Return what is measured of four frames with their idle gel, perceived in a batch of one."""
     inputs, motions = perception.inputs, perception.motions
     if inputs is None or not motions:  # a released encoder has no stem of its own
         stem = measure_clip(clip)
         inputs, motions = torch.from_numpy(stem.inputs[None]), (stem.motions,)
     numbers = torch.from_numpy(motions[0].numbers())[None]
     aspect = pixel_aspect(*clip.frames.shape[1:3])
-    seen = measured(inputs, numbers, perception.geometry, perception.fused_token, aspect)
-    return belief_of_one(motion(seen), doubt=doubt)
+    return measured(inputs, numbers, perception.geometry, perception.fused_token, aspect)

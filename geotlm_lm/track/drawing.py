@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import filled_size
-from geotlm_lm.track.events import SPAN_DEVIATIONS, Event
+from geotlm_lm.motion.belief import SPAN_DEVIATIONS
+from geotlm_lm.track.events import Event
 from geotlm_lm.track.export import Units, event_name
 from geotlm_lm.track.track import Track
 

@@ -15,12 +15,10 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
+from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.track.legs import SIGNIFICANT, Leg, Legs, Point
 
 Floats = NDArray[np.float64]
-
-SPAN_DEVIATIONS = 1.645
-"""Deviations either side that hold nine tenths of a bell."""
 
 SYSTEMATIC = (0.16, 0.16, 0.25)
 """Share of a turn, a slide and a press that is doubted beside what is measured step by step: what

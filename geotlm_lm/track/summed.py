@@ -70,7 +70,7 @@ def _is_edge(track: Track, event: Event) -> bool:
 
 
 def _shares(track: Track, component: Component) -> dict[Motion, float]:
-    """Return the probability of each way of a component, given that it counts."""
+    """Return the probability of each way of a component, given that it moves."""
     if component is Component.SLIDE:
         return _quarters(track.twists.sum(axis=0)[1:3], track.net(component).deviation)
     net, events = track.net(component), track.of(component)

@@ -16,6 +16,7 @@ from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.tolerance import within_tolerance
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, Component
+from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import RELIEF_CHAINED, Beliefs, MotionNetwork
 from geotlm_lm.training.fit import fit, learn
@@ -151,9 +152,6 @@ def _mean(losses: Tensor, is_asked: Tensor) -> Tensor:
     """Return the mean of what is asked; 0 where nothing is."""
     return (losses * is_asked).sum() / is_asked.sum().clamp(min=1)
 
-
-SPAN_DEVIATIONS = 1.645
-"""Half of a span of nine in ten, in deviations."""
 
 FEWEST_WIDENED = 30
 """Amounts below which a tenth of them is chance."""
