@@ -351,11 +351,11 @@ MIXTURES = Section(
     name="mixtures",
     title="Turn, slide and press at once",
     about="""\
-Everyday objects that turn, slide and press freely at once. Of each component that counts and shows,
+Everyday objects that turn, slide and press freely at once. Of each component that moves and shows,
 the *way* is right with the sign of a turn or a press, and of a slide with a heading at most 45
 degrees off; *how far* within 2 degrees, 2 pixels, 0.2 mm or a fifth; the *span*, nine in ten, holds
-the truth. *Counts* is whether a component is told where it counts and not told where it does not;
-what is ambiguous, or counts and hardly shows, is left out; what moves barely is graded apart, by
+the truth. *Counts* is whether a component is told where it moves and not told where it does not;
+what moves too little, or hardly shows, is left out; what moves barely is graded apart, by
 its true path. *Both ways* needs a turn and a slide told, each the right way. Words are asked about
 each component apart.""",
     run=mixture_rows,

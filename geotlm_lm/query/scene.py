@@ -208,15 +208,15 @@ class Scene:
             return {"rest": Motion.NONE, "denied": tuple(asked), "probability": 1 - touching}
         moving = belief.by_size()
         main = [each for each in moving if not belief.is_barely(each)] or moving
-        told = [each for each in moving if each in asked] or main
+        named = [each for each in moving if each in asked] or main
         denied = tuple(each for each in asked if each not in moving)
-        moves = tuple(self.movement(each) for each in told)
+        moves = tuple(self.movement(each) for each in named)
         sure = [1 - belief.moves(each) for each in denied] + [each.chance for each in moves]
-        found = {"denied": denied, "limits": self._limits(denied, is_at_rest=not moves)}
+        unmoved = {"denied": denied, "limits": self._limits(denied, is_at_rest=not moves)}
         if not moves:
             rest = self.judge.chance(t.Proposition((t.Literal("still"),)))
-            return found | {"rest": Motion.STILL, "probability": rest}
-        return found | {"movements": moves, "probability": min(sure)}
+            return unmoved | {"rest": Motion.STILL, "probability": rest}
+        return unmoved | {"movements": moves, "probability": min(sure)}
 
     def require_visible(self, proposition: t.Proposition) -> None:
         """Refuse bounds below the limit of what is not seen to move: it may go so far, or not.
