@@ -51,6 +51,7 @@ from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.amounts import Measure, measure
+from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.truth import components_of, twist_of
 from geotlm_lm.track.block import measured_of
 
@@ -77,6 +78,13 @@ NINE_IN_TEN = 1.6448536269514722
 """Deviations of a normal spread on either side that hold nine in ten."""
 
 Unit = Literal["deg", "px"]
+MIXTURE_GELS = {
+    "simulated mixtures": None,
+    "simulated mixtures, gels in training": TRAINING_GELS,
+    "simulated mixtures, gels left out": HELD_OUT_GELS,
+}
+"""Mixtures on a GelSight Mini, and on the kinds of gel that training saw and did not see."""
+
 TASK_UNITS: dict[str, Unit] = {"rotation": "deg", "sliding": "px"}
 
 COLUMNS: dict[Unit, tuple[tuple[str, ...], ...]] = {
@@ -196,11 +204,11 @@ def _rigid(twist: Twist) -> Prediction:
 
 
 def mixture_rows(run: Run) -> list[Row]:
-    """Return one row for each thing graded and method."""
+    """Return one row for each thing graded, kinds of gel and method."""
     count = run.size(MIXED_CLIPS, 6)
 
-    def graded() -> Iterator[Graded]:
-        for done, made in enumerate(simulated_mixtures(count, run.seed), start=1):
+    def graded(title: str, gels: Mapping[str, float] | None) -> Iterator[Graded]:
+        for done, made in enumerate(simulated_mixtures(count, run.seed, gels), start=1):
             encoded = run.answerer.encode(made.clip)
             predictions = {
                 BELIEF: belief_prediction(encoded.belief),
@@ -212,10 +220,11 @@ def mixture_rows(run: Run) -> list[Row]:
                 predictions[name] = _fit_prediction(rival, made.clip)
             for name, predicted in predictions.items():
                 for what, is_right in grades(made.label, predicted):
-                    yield f"simulated mixtures, {what}", name, is_right, made.object_name
-            run.progress("simulated mixtures", done, count)
+                    yield f"{title}, {what}", name, is_right, made.object_name
+            run.progress(title, done, count)
 
-    return sorted(share_rows(graded(), run.seed), key=lambda row: row.case)
+    rows = [row for case in MIXTURE_GELS.items() for row in share_rows(graded(*case), run.seed)]
+    return sorted(rows, key=lambda row: row.case)
 
 
 @dataclass(frozen=True, eq=False)
@@ -351,7 +360,8 @@ MIXTURES = Section(
     name="mixtures",
     title="Turn, slide and press at once",
     about="""\
-Everyday objects that turn, slide and press freely at once. Of each component that moves and shows,
+Everyday objects that turn, slide and press freely at once: on a GelSight Mini, and on gels of the
+kinds in training and of those left out of it. Of each component that moves and shows,
 the *way* is right with the sign of a turn or a press, and of a slide with a heading at most 45
 degrees off; *how far* within 2 degrees, 2 pixels, 0.2 mm or a fifth; the *span*, nine in ten, holds
 the truth. *Counts* is whether a component is told where it moves and not told where it does not;

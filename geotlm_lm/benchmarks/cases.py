@@ -11,7 +11,7 @@ from __future__ import annotations
 import hashlib
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -104,14 +104,20 @@ def simulated_cases(
         yield Case(made.clip, made.label.motion, made.object_name, made.object_name)
 
 
-def simulated_mixtures(count: int, seed: int) -> Iterator[SimulatedClip]:
-    """Yield simulated clips that turn, slide and press freely at once, readable or not."""
+def simulated_mixtures(
+    count: int, seed: int, gels: Mapping[str, float] | None = None
+) -> Iterator[SimulatedClip]:
+    """Yield simulated clips that turn, slide and press freely at once, readable or not.
+
+    They are on a GelSight Mini, or on kinds of gel by their shares.
+    """
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
     from geotlm_lm.simulation.simulate import simulate_series
 
     motions = [motion for motion in Motion if motion is not Motion.NONE]
     root = seed_for(seed, "evaluation", "mixtures")
     options = {"objects": EVERYDAY_OBJECTS, "motions": motions, "mixed_share": 1.0}
+    options["gels"] = gels
     yield from simulate_series(root, count, **options)
 
 

@@ -15,22 +15,9 @@ import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.scene import CENTRED, Mounting, Optics
+from geotlm_lm.simulation.scene import CENTRED, GELSIGHT_MINI, Lamps, Mounting, Optics
 
 Planar = NDArray[np.float32]
-
-MEASURED_IDLE = np.array(
-    [
-        [[29, 41, 44, 32, 24], [48, 77, 86, 69, 39], [71, 123, 147, 111, 62]]
-        + [[67, 111, 135, 101, 59], [49, 77, 89, 72, 44]],
-        [[85, 97, 103, 95, 75], [92, 105, 112, 104, 83], [92, 101, 112, 104, 85]]
-        + [[86, 96, 103, 98, 80], [76, 85, 90, 84, 69]],
-        [[90, 113, 120, 106, 83], [104, 133, 141, 124, 95], [110, 143, 149, 131, 101]]
-        + [[77, 97, 109, 96, 75], [62, 80, 94, 79, 61]],
-    ],
-    dtype=np.float32,
-)
-"""Grey levels of one GelSight Mini's idle frame on 5x5 even points, by channel (R, G, B)."""
 
 FIXED_PATTERN_GREY = (0.85, 0.7, 1.0)
 """Standard deviation of the pixel-fine pattern that two sessions share, measured (R, G, B)."""
@@ -121,7 +108,7 @@ DRIFT_LIMIT_GREY = 1.0
 """Largest change of white balance between frames, per channel."""
 
 
-def idle_frame(seed: int, mounting: Mounting = CENTRED) -> Planar:
+def idle_frame(seed: int, mounting: Mounting = CENTRED, lamps: Lamps = GELSIGHT_MINI) -> Planar:
     """Return an idle frame, float32 planar (3, 224, 224) RGB grey levels, without temporal noise.
 
     Randomly changed measured levels, a polynomial of degree 4 per axis, and a random field of
@@ -132,9 +119,7 @@ def idle_frame(seed: int, mounting: Mounting = CENTRED) -> Planar:
     offset = np.array([rng.uniform(*span) for span in OFFSET_GREY])[:, None, None]
     change = rng.normal(0, SMOOTH_CHANGE, (3, 5))
     change[:, :2] += np.transpose(USUAL_TILT)
-    table = (MEASURED_IDLE * gain + offset) * np.exp(
-        np.einsum("ck,kij->cij", change, _CHANGE_TERMS)
-    )
+    table = (lamps.levels * gain + offset) * np.exp(np.einsum("ck,kij->cij", change, _CHANGE_TERMS))
     crop = rng.uniform(*CROP)
     nodes = _lit_at_nodes(table, mounting, crop) + _finer_field(rng)
     nodes *= 1 - rng.uniform(*VIGNETTE) * _VIGNETTE

@@ -190,6 +190,16 @@ def dominant_motion(path: Path, radius_mm: float = CONTACT_RADIUS_MM) -> Motion:
     return max(SLIDES, key=lambda way: signed_amount(way, turn=0, right=x, down=y))
 
 
+def longest_mm(path: Path) -> float:
+    """Return a bound on how far the imprint of a usual contact goes, by turn and travel together.
+
+    The turn's path is that of the rim of a contact twice as wide as `CONTACT_RADIUS_MM`.
+    """
+    x, y = path.x_mm[-1] - path.x_mm[0], path.y_mm[-1] - path.y_mm[0]
+    turn = path.rotation_rad[-1] - path.rotation_rad[0]
+    return float(np.hypot(x, y)) + 2 * CONTACT_RADIUS_MM * abs(turn)
+
+
 LEAST_PATH_MM, LEAST_PRESS_MM = 0.06, 0.1
 """Path of a turn or slide, and change of depth, below which a path shows none."""
 

@@ -1,4 +1,4 @@
-"""Height of the gel's surface to camera frames, and the dots printed on it; knows no object.
+"""Height of the gel's surface to camera frames; knows no object and no print.
 
 A frame is the idle frame B changed by three coloured lights (channel c),
 I_c = B_c [1 + A_c . g / sqrt(1 + beta^2 |g|^2) + a_c d] with g = -grad d and d the indentation,
@@ -15,21 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import IMAGE_SIDE
-from geotlm_lm.simulation.scene import Markers, Optics
+from geotlm_lm.simulation.scene import Optics
 
 Planar = NDArray[np.float32]
 
-LIGHTS = np.array([[-0.12, -1.08], [0.49, 0.07], [-0.03, 0.56]])
-"""Relative change of R, G, B per unit slope g towards (right, down), measured on one unit."""
-
 SHADOW_REACH_MM = 0.6
 """How far from a flank its shadow is looked for; about the depth of a press."""
-
-FLATNESS = 3.0
-"""How flat a dot's middle is: its shade is 1 - exp(-FLATNESS g), g a Gaussian of height 1."""
-
-_HALF_WIDTH = float(np.sqrt(-2 * np.log(np.log(2) / FLATNESS)))
-"""Radius of half the darkness in standard deviations of that Gaussian."""
 
 
 def lit(
@@ -97,8 +88,9 @@ def turned_lights(optics: Optics) -> NDArray[np.float64]:
     # The lights sit on the pad: they turn with it.
     angles = np.asarray(optics.light_turn_rad) + optics.mounting.turn_rad
     cos, sin = np.cos(angles), np.sin(angles)
-    x = cos * LIGHTS[:, 0] - sin * LIGHTS[:, 1]
-    y = sin * LIGHTS[:, 0] + cos * LIGHTS[:, 1]
+    right, down = np.array(optics.lamps.rows).T
+    x = cos * right - sin * down
+    y = sin * right + cos * down
     rows = np.stack([x, y], axis=1) * np.asarray(optics.light_gain)[:, None]
     return rows + np.asarray(optics.common_light)
 
@@ -107,55 +99,10 @@ def _shadow(
     height_mm: Planar, around: Planar, light: tuple[float, float], optics: Optics
 ) -> Planar:
     """Return how much a flank towards the light overtops a pixel, in mm; `around` has margins."""
-    length = math.hypot(*light)
+    length = math.hypot(*light) or 1.0  # light from all around casts its shadow nowhere
     column = round(SHADOW_REACH_MM * light[0] / length / optics.mm_per_px_x)
     row = round(SHADOW_REACH_MM * light[1] / length / optics.mm_per_px_y)
     height, width = height_mm.shape
     row, column = row + (len(around) - height) // 2, column + (around.shape[1] - width) // 2
     ahead = cv2.subtract(around[row : row + height, column : column + width], height_mm)
     return cv2.max(ahead, 0, dst=ahead)
-
-
-def marker_shade(markers: Markers, optics: Optics, drift_mm: Planar | None = None) -> Planar:
-    """Return the share of light that the dots leave, float32 (224, 224), 1 between them.
-
-    A dot belongs to a point of the gel: it stands where that point has been carried, to any
-    fraction of a pixel, by the gel's tangential displacement from rest, (2, 224, 224), x before y.
-    """
-    size = np.array([optics.mm_per_px_x, optics.mm_per_px_y])
-    x, y = _moved(resting_px(markers, optics), size, drift_mm)
-    sigma = markers.diameter_mm / 2 / _HALF_WIDTH / size
-    pixels = np.arange(IMAGE_SIDE)
-    across = np.exp(-0.5 * ((pixels - x[:, None]) / sigma[0]) ** 2).astype(np.float32)
-    down = np.exp(-0.5 * ((pixels - y[:, None]) / sigma[1]) ** 2).astype(np.float32)
-    dots = 1 - np.exp(-FLATNESS * (down.T @ across))
-    return (1 - np.float32(markers.darkness) * dots).astype(np.float32)
-
-
-def resting_px(markers: Markers, optics: Optics) -> NDArray[np.float64]:
-    """Return where the dots of a gel at rest lie, (2, n) pixels, x before y.
-
-    The grid goes on one spacing beyond the view: what is carried into it is seen.
-    """
-    mounting, size = optics.mounting, np.array([[optics.mm_per_px_x], [optics.mm_per_px_y]])
-    half_mm = IMAGE_SIDE / 2 * size
-    reach = np.hypot(*half_mm[:, 0]) + np.hypot(mounting.x_mm, mounting.y_mm)
-    count = int(np.ceil(reach / markers.spacing_mm)) + 1
-    steps = np.arange(-count, count + 1) * markers.spacing_mm
-    grid = np.stack([axis.ravel() for axis in np.meshgrid(steps, steps)])
-    grid = grid + [[markers.x_mm], [markers.y_mm]]
-    cos, sin = np.cos(mounting.turn_rad), np.sin(mounting.turn_rad)
-    place = np.array([[cos, -sin], [sin, cos]]) @ grid + [[mounting.x_mm], [mounting.y_mm]]
-    place = place[:, (np.abs(place) <= half_mm + markers.spacing_mm).all(axis=0)]
-    return place / size + (IMAGE_SIDE - 1) / 2
-
-
-def _moved(rest_px, size_mm, drift_mm: Planar | None) -> NDArray[np.float64]:
-    if drift_mm is None:
-        return rest_px
-    inside = np.clip(rest_px, 0, IMAGE_SIDE - 1)
-    column, row = np.minimum(inside.astype(int), IMAGE_SIDE - 2)
-    right, low = inside[0] - column, inside[1] - row
-    upper = (1 - right) * drift_mm[:, row, column] + right * drift_mm[:, row, column + 1]
-    lower = (1 - right) * drift_mm[:, row + 1, column] + right * drift_mm[:, row + 1, column + 1]
-    return rest_px + ((1 - low) * upper + low * lower) / size_mm[:, None]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -12,10 +12,29 @@ from geotlm_lm.core.geometry import IMAGE_SIDE
 from geotlm_lm.core.labels import ROTATIONS, Motion
 from geotlm_lm.core.numbers import generator_for, log_uniform
 from geotlm_lm.simulation.contact import dome_drop_mm
+from geotlm_lm.simulation.gels import GELS, GelKind, random_kind, random_markers, random_print
 from geotlm_lm.simulation.indenters import INDENTERS
-from geotlm_lm.simulation.motions import STEADY, UNSTEADY, dominant_motion, mixed_path, random_path
+from geotlm_lm.simulation.motions import (
+    STEADY,
+    UNSTEADY,
+    dominant_motion,
+    longest_mm,
+    mixed_path,
+    random_path,
+)
 from geotlm_lm.simulation.profile import build_profile
-from geotlm_lm.simulation.scene import Body, Gel, Markers, Mounting, Optics, Path, Scene, VideoCodec
+from geotlm_lm.simulation.scene import (
+    GELSIGHT_MINI,
+    Body,
+    Gel,
+    Lamps,
+    Mounting,
+    Optics,
+    Path,
+    Scene,
+    Three,
+    VideoCodec,
+)
 from geotlm_lm.simulation.shapes import Indenter
 
 DEPTH_MM = (0.2, 1.2)
@@ -63,6 +82,10 @@ ZOOM = (0.6, 1.15)
 ASPECT = (0.95, 1.08)
 """Pixel width over height, relative to square ones (two cameras measured)."""
 
+WIDE_ASPECT, WIDE_ASPECT_SHARE = (0.75, 1.35), 0.4
+"""The same of sensors of any make, in a share of the clips whose kind of gel is drawn. Assumed:
+views from 0.9 to 1.6 times as wide as high, squeezed into a square."""
+
 MOUNTING_TURN_DEG = 3.0
 """Largest turn of the camera about its axis."""
 
@@ -73,10 +96,6 @@ exceeds the 18.6 mm of the data sheet."""
 LIGHT_TURN_DEG = 15.0
 """Farthest a light's direction lies from its usual one."""
 
-USUAL_TURN_DEG = (0.0, -4.0, -7.0)
-"""Usual direction of each light (R, G, B) relative to the unit whose slopes were measured: three
-real sources are lit from -97, 7 and 81 degrees, it from -96, 8 and 93."""
-
 STRENGTH = (0.4, 2.1)
 """Shading relative to the measured unit, drawn evenly on a log scale; real units go up to 2.3."""
 
@@ -86,22 +105,11 @@ CHANNEL_STRENGTH = ((0.65, 1.3), (0.8, 1.9), (0.65, 1.35))
 LIGHT_SLOPE = 0.35
 """Largest relative growth of a light's shading from the middle to a border."""
 
-COMMON_LIGHT = 0.14
-"""Spread of what all channels change by per unit slope, relative to `STRENGTH`: it takes the
-channels' correlation on contacts from below -0.9 to the real -0.8."""
-
-STEEP_DARKENING = (0.0, 0.22)
-"""Darkening at slope 1, relative to `STRENGTH`: real imprints are as bright as the idle gel on the
-whole (0.3, -0.9 and -0.4 %)."""
-
 SATURATION = (0.0, 2.0)
 """Softness of steep slopes; 1 to 2 fit one ball press."""
 
-DEPTH_GAIN_PER_MM = (0.066, 0.037, 0.083)
-"""Relative brightening per mm of indentation, R, G, B, measured on one unit."""
-
 DEPTH_SHARE = ((0.4, 2.2), (0.4, 2.2), (0.0, 1.6))
-"""Factor on that, R, G, B."""
+"""Factor on the lamps' brightening with depth, R, G, B."""
 
 SHADOW = (-0.3, 0.3)
 """Shadow behind flanks per unit slope, none below 0."""
@@ -139,11 +147,9 @@ JPEG_SHARE = 0.12
 
 JPEG_QUALITY = (60, 96)
 
-MARKER_SPACING_MM = (1.8, 2.9)
-MARKER_DIAMETER_SHARE = (0.3, 0.45)
-MARKER_DARKNESS = (0.45, 0.8)
-"""Dots: distance, width relative to it, darkness; about five recordings of marked GelSight Minis
-(1.9 to 2.8 mm, 0.36 to 0.43, 0.56 to 0.62)."""
+FAST = (0.05, 1.0)
+"""How much of its motion a clip of a fast camera shows, drawn evenly on a log scale: 120 frames per
+second beside 8 to 25."""
 
 
 def random_scenes(
@@ -153,6 +159,7 @@ def random_scenes(
     objects: Sequence[str],
     first_index: int = 0,
     motions: Sequence[Motion] | None = None,
+    gels: Mapping[str, float] | None = None,
     **shares: float,
 ) -> list[Scene]:
     """Return scenes `first_index` .. of the endless series of `seed`; equally many of each motion.
@@ -166,7 +173,7 @@ def random_scenes(
         rng = generator_for(seed, "scene", index)
         name = objects[int(rng.integers(len(objects)))]
         motion = kinds[_order(seed, index // len(kinds), len(kinds))[index % len(kinds)]]
-        scenes.append(random_scene(rng, object_name=name, motion=motion, **shares))
+        scenes.append(random_scene(rng, object_name=name, motion=motion, gels=gels, **shares))
     return scenes
 
 
@@ -185,16 +192,19 @@ def random_scene(
     marker_share: float = 0.0,
     unsteady_share: float = 0.0,
     mixed_share: float = 0.0,
+    fast_share: float = 0.0,
+    gels: Mapping[str, float] | None = None,
 ) -> Scene:
     """Return a scene of an object doing `motion`, everything else drawn from `rng`.
 
     The shares are probabilities: of markers on the gel, on which the rest does not depend; of an
-    unsteady hand; of a path that turns, slides and presses freely instead. A shape of the caller's
-    own keeps its size, and may have any name.
+    unsteady hand; of a path that turns, slides and presses freely instead; of a camera so fast that
+    it sees little of the motion. `gels` are shares of kinds of gel, instead of markers; without
+    them it is a GelSight Mini. A shape of the caller's own keeps its size, and may have any name.
     """
     # Nothing is drawn where no scene is mixed: plain series stay what they were.
     is_mixed = mixed_share > 0 and motion is not Motion.NONE and rng.random() < mixed_share
-    optics, gel = random_optics(rng), random_gel(rng)
+    optics, gel, gel_kind = _random_sensor(rng, gels)
     body = random_body(rng, object_name)
     kind = indenter or INDENTERS[object_name]
     if indenter is not None:
@@ -219,14 +229,34 @@ def random_scene(
     depths = (low, DEPTH_MM[1] + drop)
     if is_mixed:
         path = mixed_path(rng, depths, centre)
-        motion = dominant_motion(path)
     else:
         path = random_path(rng, depths, centre, motion, UNSTEADY if is_unsteady else STEADY)
+    if fast_share > 0 and rng.random() < fast_share:
+        path = path.shortened(log_uniform(rng, FAST))
+    if gel_kind.most_px is not None:
+        most_mm = gel_kind.most_px * rng.uniform() * min(optics.mm_per_px)
+        path = path.shortened(min(1.0, most_mm / max(longest_mm(path), 1e-6)))
+    motion = dominant_motion(path) if is_mixed else motion
     path = with_history(rng, path)
     # Drawn last: a scene with markers is the same scene.
     if rng.random() < marker_share:
+        gel_kind = GELS["mini, dots"]
         optics = replace(optics, markers=random_markers(rng))
-    return Scene(body, path, motion, gel, optics, MIXED_DOMINANCE if is_mixed else 1.0)
+    dominance = MIXED_DOMINANCE if is_mixed else 1.0
+    return Scene(body, path, motion, gel, optics, dominance, gel_kind.name)
+
+
+def _random_sensor(
+    rng: np.random.Generator, gels: Mapping[str, float] | None
+) -> tuple[Optics, Gel, GelKind]:
+    if gels is None:
+        return random_optics(rng), random_gel(rng), GELS["mini"]
+    kind = random_kind(rng, gels)
+    aspect = WIDE_ASPECT if rng.random() < WIDE_ASPECT_SHARE else ASPECT
+    optics = random_optics(rng, kind.random_lamps(rng), aspect)
+    gel, is_flat = random_gel(rng), rng.random() < kind.flat_share
+    markers = random_print(rng, kind.printed)
+    return replace(optics, markers=markers), replace(gel, dome=0.0) if is_flat else gel, kind
 
 
 def random_gel(rng: np.random.Generator) -> Gel:
@@ -265,25 +295,31 @@ def random_body(rng: np.random.Generator, name: str) -> Body:
     )
 
 
-def random_optics(rng: np.random.Generator) -> Optics:
+def random_optics(
+    rng: np.random.Generator,
+    lamps: Lamps = GELSIGHT_MINI,
+    aspect: tuple[float, float] = ASPECT,
+) -> Optics:
     """Return a camera, lights and noise within the ranges real units were measured in."""
-    zoom, ratio = rng.uniform(*ZOOM), rng.uniform(*ASPECT)
+    zoom, ratio = rng.uniform(*ZOOM), rng.uniform(*aspect)
     strength = log_uniform(rng, STRENGTH)
-    turns = np.radians(USUAL_TURN_DEG + rng.uniform(-1, 1, 3) * LIGHT_TURN_DEG)
+    turns = np.radians(lamps.usual_turn_deg + rng.uniform(-1, 1, 3) * LIGHT_TURN_DEG)
+    # White light is the same in all channels.
+    alike = _first_of_three if lamps.is_white else _three
     is_other_session = rng.random() < SESSION_SHARE
     how = rng.random()
     return Optics(
         mm_per_px_x=20.3 / 224 * zoom * ratio**0.5,
         mm_per_px_y=15.2 / 224 * zoom / ratio**0.5,
-        light_turn_rad=_three(turns),
-        light_gain=_three([strength * rng.uniform(*span) for span in CHANNEL_STRENGTH]),
-        light_slope_x=_three(rng.uniform(-LIGHT_SLOPE, LIGHT_SLOPE, 3)),
-        light_slope_y=_three(rng.uniform(-LIGHT_SLOPE, LIGHT_SLOPE, 3)),
-        common_light=tuple(strength * rng.normal(0, COMMON_LIGHT) for _ in range(2)),
-        steep_darkening=strength * rng.uniform(*STEEP_DARKENING),
+        light_turn_rad=alike(turns),
+        light_gain=alike([strength * rng.uniform(*span) for span in CHANNEL_STRENGTH]),
+        light_slope_x=alike(rng.uniform(-LIGHT_SLOPE, LIGHT_SLOPE, 3)),
+        light_slope_y=alike(rng.uniform(-LIGHT_SLOPE, LIGHT_SLOPE, 3)),
+        common_light=tuple(strength * rng.normal(0, lamps.common_light) for _ in range(2)),
+        steep_darkening=strength * rng.uniform(*lamps.steep_darkening),
         saturation=rng.uniform(*SATURATION),
-        depth_gain=_three(
-            [gain * rng.uniform(*s) for gain, s in zip(DEPTH_GAIN_PER_MM, DEPTH_SHARE, strict=True)]
+        depth_gain=alike(
+            [gain * rng.uniform(*s) for gain, s in zip(lamps.depth_gain, DEPTH_SHARE, strict=True)]
         ),
         shadow=max(rng.uniform(*SHADOW), 0.0),
         psf_mm=rng.uniform(*PSF_MM),
@@ -294,18 +330,7 @@ def random_optics(rng: np.random.Generator) -> Optics:
         video=_random_video(rng) if how < VIDEO_SHARE else None,
         idle=int(rng.integers(2**31)),
         mounting=_random_mounting(rng),
-    )
-
-
-def random_markers(rng: np.random.Generator) -> Markers:
-    """Return a grid of dots like those of gels on sale."""
-    spacing = rng.uniform(*MARKER_SPACING_MM)
-    return Markers(
-        spacing_mm=spacing,
-        diameter_mm=spacing * rng.uniform(*MARKER_DIAMETER_SHARE),
-        darkness=rng.uniform(*MARKER_DARKNESS),
-        x_mm=rng.uniform(-0.5, 0.5) * spacing,
-        y_mm=rng.uniform(-0.5, 0.5) * spacing,
+        lamps=lamps,
     )
 
 
@@ -324,6 +349,10 @@ def _random_video(rng: np.random.Generator) -> VideoCodec:
     )
 
 
-def _three(values: Sequence[float] | np.ndarray) -> tuple[float, float, float]:
+def _three(values: Sequence[float] | np.ndarray) -> Three:
     first, second, third = (float(value) for value in values)
     return first, second, third
+
+
+def _first_of_three(values: Sequence[float] | np.ndarray) -> Three:
+    return (float(values[0]),) * 3

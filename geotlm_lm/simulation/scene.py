@@ -8,6 +8,11 @@ finite or outside its range is a ValueError.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.shapes import Indenter
@@ -103,6 +108,15 @@ class Path:
         """Whether every frame has the same pose."""
         return all(min(getattr(self, name)) == max(getattr(self, name)) for name in _POSE)
 
+    def shortened(self, share: float) -> Path:
+        """Return the path with all of its motion shortened to a share, about its middle."""
+        poses = {}
+        for name in _POSE:
+            values = getattr(self, name)
+            middle = (values[0] + values[-1]) / 2
+            poses[name] = tuple(middle + share * (value - middle) for value in values)
+        return replace(self, **poses)
+
     @property
     def start(self) -> Path:
         """The path of the first frame alone."""
@@ -129,9 +143,72 @@ class Mounting:
 CENTRED = Mounting()
 
 
+Three = tuple[float, float, float]
+"""R, G, B."""
+
+_MEASURED_IDLE = (
+    ((29, 41, 44, 32, 24), (48, 77, 86, 69, 39), (71, 123, 147, 111, 62))
+    + ((67, 111, 135, 101, 59), (49, 77, 89, 72, 44)),
+    ((85, 97, 103, 95, 75), (92, 105, 112, 104, 83), (92, 101, 112, 104, 85))
+    + ((86, 96, 103, 98, 80), (76, 85, 90, 84, 69)),
+    ((90, 113, 120, 106, 83), (104, 133, 141, 124, 95), (110, 143, 149, 131, 101))
+    + ((77, 97, 109, 96, 75), (62, 80, 94, 79, 61)),
+)
+
+
+@dataclass(frozen=True)
+class Lamps:
+    """How a kind of sensor lights its gel; what is not given is measured on one GelSight Mini."""
+
+    # Relative change of R, G, B per unit slope towards (right, down).
+    rows: tuple[tuple[float, float], ...] = ((-0.12, -1.08), (0.49, 0.07), (-0.03, 0.56))
+    # Grey levels of the untouched gel on 5x5 even points, by channel.
+    idle: tuple[tuple[tuple[float, ...], ...], ...] = _MEASURED_IDLE
+    depth_gain: Three = (0.066, 0.037, 0.083)  # relative brightening per mm of indentation
+    # Usual direction of each light relative to the rows: three real Minis are lit from -97, 7 and
+    # 81 degrees, the measured one from -96, 8 and 93.
+    usual_turn_deg: Three = (0.0, -4.0, -7.0)
+    # Spread of what all channels change by per unit slope, relative to their shading: it takes the
+    # channels' correlation on contacts from below -0.9 to the real -0.8.
+    common_light: float = 0.14
+    # Darkening at slope 1, relative to the shading: real imprints are as bright as the idle gel on
+    # the whole (0.3, -0.9 and -0.4 %).
+    steep_darkening: tuple[float, float] = (0.0, 0.22)
+    is_white: bool = False  # all channels are the same light
+
+    @cached_property
+    def levels(self) -> NDArray[np.float32]:
+        """The untouched gel's grey levels, (3, 5, 5)."""
+        return np.array(self.idle, np.float32)
+
+    @cached_property
+    def mean_grey(self) -> NDArray[np.float32]:
+        """R, G, B of the untouched gel at the inner nine points: few contacts lie at the border."""
+        return self.levels[:, 1:-1, 1:-1].mean(axis=(1, 2))
+
+    @property
+    def is_directional(self) -> bool:
+        """Whether a slope's direction changes its brightness, not its steepness alone."""
+        return any(any(row) for row in self.rows)
+
+    def turned(self, quarters: int) -> Lamps:
+        """Return the lamps turned clockwise by quarters, as a camera mounted otherwise sees them.
+
+        The view is taken to be square.
+        """
+        rows = self.rows
+        for _ in range(quarters % 4):
+            rows = tuple((-down, right) for right, down in rows)
+        idle = np.rot90(self.levels, -quarters, axes=(1, 2)).tolist()
+        return replace(self, rows=rows, idle=tuple(tuple(map(tuple, plane)) for plane in idle))
+
+
+GELSIGHT_MINI = Lamps()
+
+
 @dataclass(frozen=True)
 class Markers:
-    """Dark dots printed on the gel's surface in a square grid; they go where the gel goes.
+    """Dark dots in a square grid; those printed on the gel's surface go where the gel goes.
 
     Measured on five recordings of GelSight Minis with markers: 1.9 to 2.0 mm apart, and 2.8 on one
     of them; 0.6 to 0.8 mm wide; 0.56 to 0.62 dark.
@@ -142,11 +219,38 @@ class Markers:
     darkness: float = 0.6  # share of the light that the middle of a dot swallows
     x_mm: float = 0.0  # the grid from the pad's middle
     y_mm: float = 0.0
+    jitter: float = 0.0  # farthest a dot lies off its place along each axis, share of the spacing
+    missing: float = 0.0  # share of the dots that have come off
+    unevenness: float = 0.0  # share of its ink that the palest dot lacks; the others lack less
+    seed: int = 0  # of these three
+    is_carried: bool = True  # False: printed on the lens or a cover, they stand still
 
     def __post_init__(self) -> None:
+        _require("markers' jitter", self.jitter, 0.0, 0.5)
+        _require("share of missing markers", self.missing, 0.0, 1.0)
+        _require("markers' unevenness", self.unevenness, 0.0, 1.0)
         _require("markers' spacing", self.spacing_mm, 0.3, 100.0, "mm")
         _require("markers' diameter", self.diameter_mm, 0.01, 10.0, "mm")
         _require("markers' darkness", self.darkness, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Lines or blotches printed all over the gel's surface; they go where the gel goes."""
+
+    form: Literal["mesh", "blotches"]
+    pitch_mm: float  # from line to line; of blotches the correlation length
+    share: float  # of a line's width in the pitch; of blotches, of the surface that is dark
+    darkness: float = 0.5  # share of the light that the print swallows
+    x_mm: float = 0.0  # the pattern from the pad's middle
+    y_mm: float = 0.0
+    seed: int = 0  # of the blotches
+    is_carried: bool = True
+
+    def __post_init__(self) -> None:
+        _require("pattern's pitch", self.pitch_mm, 0.05, 100.0, "mm")
+        _require("pattern's share", self.share, 0.0, 1.0)
+        _require("pattern's darkness", self.darkness, 0.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -158,8 +262,8 @@ class VideoCodec:
     """
 
     # Standard deviations of R, G, B: of a frame stored whole, and what each predicted one adds.
-    whole_grey: tuple[float, float, float] = (0.75, 0.64, 0.8)
-    predicted_grey: tuple[float, float, float] = (0.27, 0.25, 0.27)
+    whole_grey: Three = (0.75, 0.64, 0.8)
+    predicted_grey: Three = (0.27, 0.25, 0.27)
     frames_apart: int = 1  # frames of the video between two of the clip
 
 
@@ -171,25 +275,26 @@ class Optics:
     mm_per_px_y: float = 15.2 / 224
     # Turn (clockwise) and strength of each light's shading relative to the measured ones, and its
     # relative growth from the middle to the right and to the lower border.
-    light_turn_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    light_gain: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    light_slope_x: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    light_slope_y: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    light_turn_rad: Three = (0.0, 0.0, 0.0)
+    light_gain: Three = (1.0, 1.0, 1.0)
+    light_slope_x: Three = (0.0, 0.0, 0.0)
+    light_slope_y: Three = (0.0, 0.0, 0.0)
     # Relative change of all channels per unit slope towards (right, down): stray white light.
     common_light: tuple[float, float] = (0.0, 0.0)
     steep_darkening: float = 0.0  # of all channels, relative, at slope 1
     saturation: float = 1.0  # beta in A g / sqrt(1 + beta^2 |g|^2), g the slope
-    depth_gain: tuple[float, float, float] = (0.066, 0.037, 0.083)  # relative, per mm
+    depth_gain: Three = GELSIGHT_MINI.depth_gain  # relative, per mm
     shadow: float = 0.0  # relative darkening behind steep flanks, per unit slope
     psf_mm: float = 0.05  # Gaussian blur of camera and membrane
-    noise_grey: tuple[float, float, float] = (1.7, 1.24, 2.0)  # one frame's standard deviation
+    noise_grey: Three = (1.7, 1.24, 2.0)  # one frame's standard deviation
     drift_grey: float = 0.5  # standard deviation of the brightness from frame to frame
-    light_change: tuple[float, float, float] = (0.0, 0.0, 0.0)  # from idle frame to clip, relative
+    light_change: Three = (0.0, 0.0, 0.0)  # from idle frame to clip, relative
     jpeg_quality: int | None = None
     video: VideoCodec | None = None  # noise in place of `noise_grey`
     idle: int = 0  # seed of the idle frame's field, specks and fixed pattern
     mounting: Mounting = CENTRED
-    markers: Markers | None = None
+    markers: Markers | Pattern | None = None
+    lamps: Lamps = GELSIGHT_MINI
 
     @property
     def mm_per_px(self) -> tuple[float, float]:
@@ -209,3 +314,4 @@ class Scene:
     # How many times longer than the other's the path of the named turn or slide must be at the
     # contact for the name to be true of the clip.
     dominance: float = 1.0
+    gel_name: str = "mini"  # of the kind in `gels.GELS`

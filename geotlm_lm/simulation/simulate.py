@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -16,10 +16,11 @@ from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.simulation.camera import Recorder, idle_frame
 from geotlm_lm.simulation.contact import Preset, PresetName, preset_named
-from geotlm_lm.simulation.optics import lit, marker_shade, turned_lights
+from geotlm_lm.simulation.optics import lit, turned_lights
+from geotlm_lm.simulation.prints import print_shade
 from geotlm_lm.simulation.profile import Profile, build_profile
 from geotlm_lm.simulation.randomise import random_scenes
-from geotlm_lm.simulation.scene import Scene
+from geotlm_lm.simulation.scene import Optics, Scene
 from geotlm_lm.simulation.solvers import SolverStatus
 from geotlm_lm.simulation.surface import Surface, pressed_surface, timed
 from geotlm_lm.simulation.truth import (
@@ -63,6 +64,11 @@ class SimulatedClip:
     def object_name(self) -> str:
         """Name of the body."""
         return self.scene.body.name
+
+    @property
+    def gel_name(self) -> str:
+        """Name of the kind of gel, in `gels.GELS`."""
+        return self.scene.gel_name
 
     @property
     def mm_per_px(self) -> tuple[float, float]:
@@ -130,6 +136,7 @@ def simulate_series(
     preset: PresetName = "fast",
     with_drift: bool = False,
     with_frames: bool = True,
+    gels: Mapping[str, float] | None = None,
     **shares: float,
 ) -> Iterator[SimulatedClip]:
     """Yield clips `first_index` .. of the endless series of `seed`, as `random_scenes` draws them.
@@ -140,7 +147,9 @@ def simulate_series(
     options = {"preset": preset, "with_drift": with_drift, "with_frames": with_frames}
     for index in range(first_index, first_index + count):
         place = {"seed": seed, "first_index": index}
-        scenes = random_scenes(count=1, objects=objects, motions=motions, **place, **shares)
+        scenes = random_scenes(
+            count=1, objects=objects, motions=motions, gels=gels, **place, **shares
+        )
         yield from simulate(scenes, **place, **options)
 
 
@@ -152,7 +161,7 @@ def _simulated(
     if max(scene.path.depth_mm) > 0:
         with timed(timing_ms, "profile"):
             profile = build_profile(scene.body)
-        moves_gel = with_drift or (with_frames and scene.optics.markers is not None)
+        moves_gel = with_drift or (with_frames and _carries(scene.optics))
         options = {"with_drift": moves_gel, "timing_ms": timing_ms}
         surface = pressed_surface(scene, profile, preset, **options)
     if with_frames:
@@ -175,6 +184,10 @@ def _simulated(
         status=surface.status if surface is not None else SolverStatus(0.0, 0, True, preset.name),
         timing_ms=timing_ms,
     )
+
+
+def _carries(optics: Optics) -> bool:
+    return optics.markers is not None and optics.markers.is_carried
 
 
 def _patch_fields(
@@ -217,22 +230,26 @@ def _render(
     """Return frames (t, 224, 224, 3), the idle frame, and planar frames without noise."""
     optics, recorder = scene.optics, Recorder(scene.optics, rng)
     lights, markers = turned_lights(optics), optics.markers
-    idle = idle_frame(optics.idle, optics.mounting)
-    marked = idle if markers is None else idle * marker_shade(markers, optics)
+    idle = idle_frame(optics.idle, optics.mounting, optics.lamps)
+    at_rest = None if markers is None else print_shade(markers, optics)
+    marked = idle if at_rest is None else idle * at_rest
     background = recorder.background(marked)
     base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
     clean, frames = [], np.empty((len(scene.path), *background.shape), np.uint8)
-    is_drawn_once = surface is not None and surface.is_repeated and markers is None
+    is_drawn_once = surface is not None and surface.is_repeated and not _carries(optics)
     # Each frame is recorded while what was just drawn is still in the processor's cache.
     for frame, recorded in enumerate(frames):
         image = base
         if frame > 0 and is_drawn_once:
-            image = clean[0]
-        elif surface is not None and surface.indentation_mm[frame].any():
+            clean.append(clean[0])
+            recorded[:] = recorder.next(clean[0])
+            continue
+        if surface is not None and surface.indentation_mm[frame].any():
             image = lit(surface.indentation_mm[frame], base, optics, lights=lights)
-        if markers is not None:
-            drift = None if surface is None else surface.drift_mm[frame]
-            image = image * marker_shade(markers, optics, drift)
+        if _carries(optics) and surface is not None:
+            image = image * print_shade(markers, optics, surface.drift_mm[frame])
+        elif at_rest is not None:
+            image = image * at_rest
         clean.append(image)
         recorded[:] = recorder.next(image)
     return frames, background, clean

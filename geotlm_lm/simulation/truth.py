@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, PATCH_SIDE
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, Component, Twist, moves
-from geotlm_lm.simulation.camera import MEASURED_IDLE
 from geotlm_lm.simulation.contact import dome_mm
 from geotlm_lm.simulation.optics import turned_lights
 from geotlm_lm.simulation.profile import Profile
@@ -44,10 +43,6 @@ STEP_PX, STEP_MM = 1.0, 0.05
 
 LEAST_OVERLAP_PX = 12
 """Touched pixels below which nothing is seen."""
-
-MEAN_GREY = MEASURED_IDLE[:, 1:-1, 1:-1].mean(axis=(1, 2))
-"""Levels of the measured idle frame, R, G, B, at its inner nine points: few contacts lie at the
-border."""
 
 
 @dataclass(frozen=True)
@@ -146,7 +141,7 @@ def shading_change(
         soft = np.stack(slopes) / np.sqrt(1 + optics.saturation**2 * steep)
         shade = turned_lights(optics) @ soft + np.outer(optics.depth_gain, depth[where])
         change = change + sign * (shade - 2 * optics.steep_darkening * steep / (1 + steep))
-    return float(np.sqrt(np.square(MEAN_GREY[:, None] * change).mean()))
+    return float(np.sqrt(np.square(optics.lamps.mean_grey[:, None] * change).mean()))
 
 
 def motion_at_contact(
@@ -321,6 +316,8 @@ def _shading_of(
     pixel = (optics.mm_per_px_x * scale, optics.mm_per_px_y * scale)
     level = np.float32(path.depth_mm[frame]) - dome_mm(scene.gel, pixel, side, optics.mounting)
     lights, (centre_x, centre_y) = turned_lights(optics), centre_mm
+    # Under light from all around only steepness and depth show.
+    loss = 0.0 if optics.lamps.is_directional else 2 * optics.steep_darkening
     from_x, from_y = path.x_mm[frame] - centre_x, path.y_mm[frame] - centre_y
 
     def shading(turn_rad, x_mm, y_mm, inward_mm):
@@ -336,11 +333,16 @@ def _shading_of(
             cv2.Sobel(overlap, cv2.CV_32F, *axis, ksize=3, scale=-0.125 / size)
             for axis, size in (((1, 0), pixel[0]), ((0, 1), pixel[1]))
         ]
-        soft = np.sqrt(1 + optics.saturation**2 * (slopes[0] ** 2 + slopes[1] ** 2))
+        steep = slopes[0] ** 2 + slopes[1] ** 2
+        soft = np.sqrt(1 + optics.saturation**2 * steep)
         planes = [
             grey * ((right * slopes[0] + down * slopes[1]) / soft + gain * overlap)
-            for grey, (right, down), gain in zip(MEAN_GREY, lights, optics.depth_gain, strict=True)
+            for grey, (right, down), gain in zip(
+                optics.lamps.mean_grey, lights, optics.depth_gain, strict=True
+            )
         ]
+        if loss:
+            planes -= np.multiply.outer(optics.lamps.mean_grey, loss * steep / (1 + steep))
         return np.stack(planes).astype(np.float32), overlap
 
     return shading

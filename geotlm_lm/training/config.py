@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeVar
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.files import write_text_atomically
+from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.simulate import SERIES_VERSION
 from geotlm_lm.training.examples import DAMAGED_SHARE, EXAMPLES_VERSION, VARIED, ExampleSet
@@ -152,10 +153,12 @@ def preset_named(name: str, presets: dict[str, Preset] = PRESETS) -> Preset:
 
 
 def example_sets(settings: HeadsPreset) -> dict[str, ExampleSet]:
-    """Return the sets of a run by name: five, or the two that heads alone need.
+    """Return the sets of a run by name: six, or the two that heads alone need.
 
-    The objects of `validation` and of `test` are in no other set. Only `test` is the plain series,
-    so that the card of one bundle compares with that of another.
+    The objects of `validation` and of `test` are in no set that is trained on. `unseen gels` is on
+    kinds of gel that no other set has, with validation's objects, and nothing is chosen by it.
+    Only `test` and `mixed` are the plain series, so that the card of one bundle compares with that
+    of another.
     """
     kept = TRAINING_OBJECTS[::VALIDATION_EVERY]
     trained_on = tuple(name for name in TRAINING_OBJECTS if name not in kept)
@@ -170,6 +173,7 @@ def example_sets(settings: HeadsPreset) -> dict[str, ExampleSet]:
             *sets,
             ExampleSet("test", **plain),
             ExampleSet("mixed", **plain, is_mixed=True),
+            ExampleSet("unseen gels", settings.validation_clips, kept, is_held_out=True),
         ]
     return {wanted.stage: wanted for wanted in sets}
 
@@ -178,6 +182,7 @@ def about_examples(settings: HeadsPreset, seed: int) -> dict[str, Any]:
     """Return what the examples of a run depend on."""
     about = {"preset": asdict(settings), "seed": seed, "series": SERIES_VERSION}
     about |= {"varied": VARIED, "worn": DAMAGED_SHARE, "examples": EXAMPLES_VERSION}
+    about |= {"gels": TRAINING_GELS, "unseen gels": HELD_OUT_GELS}
     if isinstance(settings, TrainingPreset):
         about |= {"inputs": PATCH_INPUT_DIM, "pretraining": PRETRAINING_VERSION}
     return about

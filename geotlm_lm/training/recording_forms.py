@@ -31,6 +31,9 @@ PAIR_SHARE = 0.25
 UNKNOWN_BACKGROUND_SHARE = 0.3
 """Share of clips whose idle gel is estimated from the clip, as for a recording without one."""
 
+UNKNOWN_MARKED_SHARE = 0.4
+"""The same of gels that are printed on: what moves leaves its traces in such an estimate."""
+
 MIRRORED_SHARE = 0.15
 """Share of clips flipped left to right, label and all: optics with a mirror in them."""
 
@@ -75,7 +78,9 @@ def as_recorded(
     is_mirrored = rng.random() < MIRRORED_SHARE
     label = simulated.label_until(max(order))
     simulated = mirrored(simulated) if is_mirrored else simulated
-    clip, is_idle_known = simulated.clip.select(order), rng.random() >= UNKNOWN_BACKGROUND_SHARE
+    is_marked = simulated.scene.optics.markers is not None
+    unknown_share = UNKNOWN_MARKED_SHARE if is_marked else UNKNOWN_BACKGROUND_SHARE
+    clip, is_idle_known = simulated.clip.select(order), rng.random() >= unknown_share
     # Drawn last: forms of clips without damage stay what they were.
     if damaged_share > 0 and rng.random() < damaged_share:
         clip, label = damage_clip(clip, label, simulated.trace_until(max(order)).change_grey, rng)

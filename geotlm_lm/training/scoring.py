@@ -23,6 +23,7 @@ from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.simulation.gels import GELS, TRAINING_GELS, Print
 from geotlm_lm.training.calibration import expected_calibration_error
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED
@@ -257,7 +258,8 @@ def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
     modes = ", ".join(
         f"{mode} {value:.3f}" for mode, value in made["dgr_validation_accuracy"].items()
     )
-    markers = VARIED["marker_share"]
+    shares = TRAINING_GELS.items()
+    printed = sum(share for name, share in shares if GELS[name].printed is not Print.NONE)
     fresh = TrainingPreset(**preset).fresh_clips
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
     parameters = sum(weight.numel() for weight in bundle.motion.parameters())
@@ -267,8 +269,8 @@ def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
     return f"""\
 Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
 sensor. Every weight was trained on simulated clips alone: {VARIED["mixed_share"]:.0%} of them
-turn, slide and press at once, {markers:.0%} are on gels with markers, {DAMAGED_SHARE:.0%} damaged
-by compression, a dim or drifting camera or a faint touch.
+turn, slide and press at once, {printed:.0%} are on gels that are printed on, {DAMAGED_SHARE:.0%}
+damaged by compression, a dim or drifting camera or a faint touch.
 
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, one
   token for both time-bins of a patch, frozen after pretraining on {pretrained_on:,} simulated
@@ -320,6 +322,13 @@ words at the language model's slots are right in {_slots(scores["felt"])}; by th
 in {_slots(scores["felt by the fused token alone"])}. An amount is right within 2 degrees, 2 pixels
 of the 224-pixel image, 0.2 mm, or a fifth.
 
+On kinds of gel in training (`validation`, by which spans are widened) and on kinds left out of it,
+of clips like training's:
+
+| gels | kind | n | turn way | slide way | both ways | turn amount | slide amount |
+|---|---|---|---|---|---|---|---|
+{_gel_rows(scores["gels"])}
+
 | question type | seen wordings | held-out wordings |
 |---|---|---|
 {_type_rows(scores)}"""
@@ -332,6 +341,17 @@ def _mixed_rows(mixed: dict[str, float]) -> str:
         + " | ".join(_rate(mixed.get(f"{component} {column}")) for column in columns)
         + " |"
         for component in COMPONENTS
+    )
+
+
+def _gel_rows(gels: dict[str, dict[str, dict[str, float]]]) -> str:
+    columns = ("turn way", "slide way", "both ways", "turn amount", "slide amount")
+    return "\n".join(
+        f"| {title} | {name} | {sum(scores.get(f'{way}, number', 0) for way in columns[:2]):.0f} | "
+        + " | ".join(_rate(scores.get(column)) for column in columns)
+        + " |"
+        for title, kinds in gels.items()
+        for name, scores in kinds.items()
     )
 
 

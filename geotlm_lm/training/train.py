@@ -128,28 +128,46 @@ def train(
                 about = _provenance(settings, seed, workers, ranks)
                 about |= {"dgr_validation_accuracy": seen.accuracies}
                 save_bundle(out / "bundle", seen.bundle(speaker, reader, about, seed))
-                clips = [read_examples(folder, sets[name]) for name in ("test", "mixed")]
-                _score(out / "bundle", *clips, seed, seconds, progress)
+                names = ("test", "mixed", "validation", "unseen gels")
+                clips = {name: read_examples(folder, sets[name]) for name in names}
+                _score(out / "bundle", clips, seed, seconds, progress)
             ranks.from_first(lambda: None)  # the others wait
     return out / "bundle"
 
 
 def _score(
     folder: Path,
-    test: Examples,
-    mixed: Examples,
+    examples: Mapping[str, Examples],
     seed: int,
     seconds: Callable[[], float],
     progress: Progress,
 ) -> None:
     """Score what was written, half precision and all, and write its card."""
     stored = load_bundle(folder)
-    scores = score_bundle(stored, perceive(stored.model, test, progress), seed)
-    clips = perceive(stored.model, mixed, progress)
+    scores = score_bundle(stored, perceive(stored.model, examples["test"], progress), seed)
+    clips = perceive(stored.model, examples["mixed"], progress)
     scores["mixed"] = motion_scores(stored.motion(clips.measured), clips.labels)
+    scores["gels"] = {
+        title: _gel_scores(stored, examples[name], progress)
+        for title, name in (("in training", "validation"), ("left out", "unseen gels"))
+    }
     scores["felt"] = felt_scores(stored, clips)
     scores["felt by the fused token alone"] = felt_scores(stored, clips, is_silent=True)
     write_card(folder, stored, scores, seconds())
+
+
+def _gel_scores(
+    bundle: Bundle, examples: Examples, progress: Progress
+) -> dict[str, dict[str, float]]:
+    """Return `motion_scores` of all clips of a set, and of each kind of gel."""
+    clips, gels = perceive(bundle.model, examples, progress), np.array(examples.gels)
+    beliefs = bundle.motion(clips.measured)
+    scores = {"all": motion_scores(beliefs, clips.labels)}
+    for name in sorted(set(examples.gels)):
+        rows = np.flatnonzero(gels == name)
+        labels = [clips.labels[row] for row in rows]
+        scores[name] = motion_scores(beliefs.only(torch.from_numpy(rows)), labels)
+    return scores
 
 
 def _provenance(settings: TrainingPreset, seed: int, workers: int, ranks: Ranks) -> dict[str, Any]:

@@ -9,12 +9,11 @@ import pytest
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.camera import (
     CODED_BLUR_PX,
-    MEASURED_IDLE,
     Recorder,
     coded_noise,
     idle_frame,
 )
-from geotlm_lm.simulation.scene import Optics, VideoCodec
+from geotlm_lm.simulation.scene import GELSIGHT_MINI, Optics, VideoCodec
 
 GREY = np.full((3, 224, 224), 100.4, np.float32)
 STEADY = Optics(drift_grey=0.0)
@@ -23,7 +22,7 @@ VIDEO = replace(STEADY, video=VideoCodec())
 
 def test_idle_frames_stay_near_the_measured_light():
     means = np.mean([idle_frame(seed).mean(axis=(1, 2)) for seed in range(40)], axis=0)
-    assert np.all(np.abs(means - MEASURED_IDLE.mean(axis=(1, 2))) < 22)
+    assert np.all(np.abs(means - GELSIGHT_MINI.levels.mean(axis=(1, 2))) < 22)
 
 
 def test_the_sides_of_the_lights_are_never_swapped():

@@ -13,7 +13,8 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.camera import recorded
 from geotlm_lm.simulation.contact import FAST
-from geotlm_lm.simulation.optics import lit, marker_shade, resting_px, turned_lights
+from geotlm_lm.simulation.optics import lit, turned_lights
+from geotlm_lm.simulation.prints import print_shade, resting_px
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Markers, Mounting, Optics, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
@@ -107,12 +108,12 @@ def well_inside(points):
 def test_dots_at_rest_lie_on_the_grid_to_a_hundredth_of_a_pixel():
     rest = well_inside(resting_px(DOTS, MARKED))
     assert rest.shape[1] > 30
-    assert np.abs(centroids(1 - marker_shade(DOTS, MARKED), rest) - rest).max() < 0.01
+    assert np.abs(centroids(1 - print_shade(DOTS, MARKED), rest) - rest).max() < 0.01
 
 
 def test_a_dot_is_as_wide_and_as_dark_as_asked_for():
     wide = replace(DOTS, spacing_mm=8.0, diameter_mm=2.0)
-    row = 1 - marker_shade(wide, replace(MARKED, mm_per_px_x=0.02, mm_per_px_y=0.02))[111]
+    row = 1 - print_shade(wide, replace(MARKED, mm_per_px_x=0.02, mm_per_px_y=0.02))[111]
     middle = row.max()
     assert middle == pytest.approx(DOTS.darkness * (1 - np.exp(-3)), abs=0.001)
     # Half of what the flat-topped dot swallows at most, counted in pixels of 0.02 mm.

@@ -40,7 +40,7 @@ def test_markers_are_off_unless_asked_for_and_change_nothing_else(many):
     assert all(scene.optics.markers is None for scene in many)
     marked = random_scenes(3, 40, objects=("block", "ball_medium"), marker_share=1.0)
     assert all(scene.optics.markers is not None for scene in marked)
-    bare = [replace(s, optics=replace(s.optics, markers=None)) for s in marked]
+    bare = [replace(s, optics=replace(s.optics, markers=None), gel_name="mini") for s in marked]
     assert bare == many[:40]
 
 

@@ -5,10 +5,9 @@ import pytest
 
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component
-from geotlm_lm.simulation.camera import MEASURED_IDLE
 from geotlm_lm.simulation.motions import path_of
 from geotlm_lm.simulation.optics import lit
-from geotlm_lm.simulation.scene import Body, Gel, Optics, Path, Scene
+from geotlm_lm.simulation.scene import GELSIGHT_MINI, Body, Gel, Optics, Path, Scene
 from geotlm_lm.simulation.shapes import Indenter
 from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.simulation.truth import (
@@ -114,7 +113,7 @@ def test_of_a_plane_on_an_even_gel_the_estimated_change_is_the_pictures(slope):
     depths = depths.astype(np.float32)
     where = np.zeros((224, 224), bool)
     where[90:130, 90:130] = True
-    levels = MEASURED_IDLE[:, 1:-1, 1:-1].mean(axis=(1, 2))[:, None, None]
+    levels = GELSIGHT_MINI.levels[:, 1:-1, 1:-1].mean(axis=(1, 2))[:, None, None]
     even = np.broadcast_to(levels, (3, 224, 224)).astype(np.float32)
     drawn = image_change(*(lit(depth, even, optics) for depth in depths), where)
     estimated = shading_change(optics, *depths, where)

@@ -58,6 +58,7 @@ def random_examples():
         depth_mm=random(2, 14, 14),
         labels=tuple(MotionLabel(motion, is_readable=i > 1) for i, motion in enumerate(motions)),
         objects=("ball",) * count,
+        gels=("mini",) * count,
     )
 
 
