@@ -71,12 +71,12 @@ def main(folder: Path, docs: Path) -> None:
         f"{name} ({kind.share:.0%})" if kind.share else f"{name} (LEFT OUT)": simulated(name)
         for name, kind in GELS.items()
     }
-    figure = Figure(figsize=(11, 11.6), layout="constrained")
+    figure = Figure(figsize=(9, 9.6), dpi=75, layout="constrained")
     for axis, (name, pair) in zip(figure.subplots(4, 4).flat, shown.items(), strict=True):
         axis.imshow(with_change(*pair))
         axis.set_title(name, fontsize=10)
         axis.axis("off")
-    figure.savefig(docs / "gels.png", dpi=75)
+    figure.savefig(docs / "gels.png")
 
 
 if __name__ == "__main__":

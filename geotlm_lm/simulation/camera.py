@@ -34,6 +34,9 @@ USUAL_TILT = ((0.0, 0.0, 0.01), (0.0, 0.02, 0.04))
 are tabled to the usual one: the blue of four sources falls by 17 to 21 % from the upper to the
 lower half and by 0 to 5 % from left to right."""
 
+WHITE_BALANCE = (0.94, 1.06)
+"""Brightness of each channel where all are the same light. Assumed: a camera's is set by hand."""
+
 SMOOTH_CHANGE = 0.08
 """Spread of the coefficients of the relative change of each channel, a quadratic over the view;
 real units and sessions differ by less."""
@@ -122,6 +125,8 @@ def idle_frame(seed: int, mounting: Mounting = CENTRED, lamps: Lamps = GELSIGHT_
     table = (lamps.levels * gain + offset) * np.exp(np.einsum("ck,kij->cij", change, _CHANGE_TERMS))
     crop = rng.uniform(*CROP)
     nodes = _lit_at_nodes(table, mounting, crop) + _finer_field(rng)
+    if lamps.is_white:
+        nodes = nodes[:1] * rng.uniform(*WHITE_BALANCE, (3, 1, 1))
     nodes *= 1 - rng.uniform(*VIGNETTE) * _VIGNETTE
     frame = _at_pixels(nodes)
     frame *= _specks(rng)

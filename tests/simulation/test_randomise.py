@@ -7,6 +7,7 @@ import pytest
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, Motion
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
+from geotlm_lm.simulation.scene import GELSIGHT_MINI
 from geotlm_lm.simulation.simulate import simulate, simulate_series
 
 
@@ -42,6 +43,17 @@ def test_markers_are_off_unless_asked_for_and_change_nothing_else(many):
     assert all(scene.optics.markers is not None for scene in marked)
     bare = [replace(s, optics=replace(s.optics, markers=None), gel_name="mini") for s in marked]
     assert bare == many[:40]
+
+
+def test_the_plain_series_is_what_it_was():
+    scene = random_scenes(7, 1, objects=("key", "block"), first_index=5)[0]
+    optics, shared = scene.optics, {"rel": 1e-12}
+    assert (scene.gel_name, optics.lamps) == ("mini", GELSIGHT_MINI)
+    assert optics.mm_per_px_x == pytest.approx(0.06730942355334874, **shared)
+    assert optics.light_gain[0] == pytest.approx(1.182275839004647, **shared)
+    assert optics.depth_gain[2] == pytest.approx(0.1077306125852668, **shared)
+    assert optics.steep_darkening == pytest.approx(0.2806147638738479, **shared)
+    assert scene.path.x_mm[-1] == pytest.approx(-2.7067174465496784, **shared)
 
 
 def test_hands_are_steady_unless_asked_for_and_what_is_touched_is_drawn_before():

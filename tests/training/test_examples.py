@@ -5,10 +5,11 @@ import pytest
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import MIRRORED
-from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.recordings.legible import require_legible
+from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
@@ -20,7 +21,13 @@ from geotlm_lm.training.examples import (
     read_examples,
     simulate_examples,
 )
-from geotlm_lm.training.recording_forms import FAINT_CONTRAST, _frame_order, damage_clip, mirrored
+from geotlm_lm.training.recording_forms import (
+    FAINT_CONTRAST,
+    _frame_order,
+    as_recorded,
+    damage_clip,
+    mirrored,
+)
 
 
 @pytest.fixture
@@ -28,8 +35,8 @@ def _small_chunks(monkeypatch):
     monkeypatch.setattr(examples, "CHUNK_CLIPS", 4)
 
 
-def made_in(folder):
-    wanted = ExampleSet("check", 8, TRAINING_OBJECTS[:3])
+def made_in(folder, **options):
+    wanted = ExampleSet("check", 8, TRAINING_OBJECTS[:3], **options)
     simulate_examples(folder, [wanted], seed=5, workers=1)
     return read_examples(folder, wanted)
 
@@ -44,6 +51,26 @@ def test_a_missing_chunk_is_made_again_byte_for_byte(tmp_path):
     assert first.labels == again.labels
     assert len(first) == 8
     assert set(first.objects) <= set(TRAINING_OBJECTS[:3])
+    assert set(first.gels) <= set(TRAINING_GELS)
+
+
+@pytest.mark.usefixtures("_small_chunks")
+def test_a_set_on_kinds_of_gel_left_out_is_never_read_as_one_to_train_on(tmp_path):
+    assert set(made_in(tmp_path, is_held_out=True).gels) <= set(HELD_OUT_GELS)
+    with pytest.raises(UsageError, match="expected only objects and gels of that set"):
+        made_in(tmp_path)
+
+
+def test_of_a_printed_gel_the_idle_frame_is_rather_guessed(monkeypatch):
+    monkeypatch.setattr(recording_forms, "estimate_background", lambda frames: None)
+    guessed = {}
+    for name in ("mini", "mini, dots"):
+        scenes = random_scenes(8, 1, objects=("key",), gels={name: 1.0})
+        (made,) = simulate(scenes, seed=8)
+        forms = (as_recorded(made, generator_for(1, index)) for index in range(200))
+        guessed[name] = np.mean([form.clip.background is None for form in forms])
+    assert guessed["mini"] == pytest.approx(0.3, abs=0.08)
+    assert guessed["mini, dots"] == pytest.approx(0.4, abs=0.08)
 
 
 @pytest.mark.usefixtures("_small_chunks")

@@ -20,6 +20,7 @@ from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.types import Query
+from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.training import config, examples, language, reading, train
 from geotlm_lm.training.config import example_sets
@@ -113,6 +114,9 @@ def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
     assert f"`{command}`" in card
     assert f"| rotation | {scores['rotation']['clips']} |" in card
     assert f"| turn | {scores['mixed']['turn way, number']} |" in card
+    assert set(scores["gels"]["left out"]) <= {"all", *HELD_OUT_GELS}
+    assert set(scores["gels"]["in training"]) <= {"all", *TRAINING_GELS}
+    assert "| left out | all |" in card
 
 
 def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, monkeypatch):
@@ -164,6 +168,10 @@ def test_no_object_is_in_two_of_training_validation_and_test():
     sets = example_sets(TINY)
     trained, kept, unseen = (set(sets[s].objects) for s in ("heads", "validation", "test"))
     assert sets["pretraining"].objects == sets["heads"].objects
+    assert sets["unseen gels"].objects == sets["validation"].objects
+    seen = {gel for name in sets if name != "unseen gels" for gel in sets[name].gels or ()}
+    assert seen == set(TRAINING_GELS)
+    assert not seen & set(sets["unseen gels"].gels)
     assert trained | kept == set(TRAINING_OBJECTS)
     assert unseen == set(EVERYDAY_OBJECTS)
     assert not trained & kept
