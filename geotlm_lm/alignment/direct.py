@@ -114,15 +114,14 @@ class _Level:
 
     @cached_property
     def places(self) -> Floats:
-        """Column and row of the pixels compared, and ones, (3, n): what a motion's matrix moves."""
+        """How far right of and below the middle the pixels compared lie, and ones, (3, n)."""
         return _places(*self.image.shape).take(self.compared, axis=1)
 
     @cached_property
     def jacobian(self) -> Floats:
         """Change of each pixel compared with turn (at `lever_px`), right, down, gain, offset."""
         right, down = (field.take(self.compared) for field in self._gradients)
-        rows, columns = self.image.shape
-        x, y = self.places[0] - (columns - 1) / 2, self.places[1] - (rows - 1) / 2
+        x, y, _ = self.places
         jacobian = np.empty((5, len(right)), np.float32)
         jacobian[0] = (down * x - right * y) * np.float32(1 / self.lever_px)
         jacobian[1], jacobian[2], jacobian[3] = right, down, self.values
@@ -159,7 +158,11 @@ class _Level:
 
     def seen_in(self, later: Floats, motion: Rigid) -> Floats:
         """Return where a motion takes the pixels compared in a later picture, (n,); 0 outside."""
-        x, y = motion.matrix(*self.image.shape).astype(np.float32) @ self.places
+        rows, columns = self.image.shape
+        cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
+        right, down = (columns - 1) / 2 + motion.right_px, (rows - 1) / 2 + motion.down_px
+        way = np.array([[cos, -sin, right], [sin, cos, down]], np.float32)
+        x, y = way @ self.places
         return cv2.remap(later, x[None], y[None], cv2.INTER_LINEAR)[0]
 
     @cached_property
@@ -181,8 +184,9 @@ LEAST_WEIGHT = 0.02
 
 @lru_cache(maxsize=16)
 def _places(rows: int, columns: int) -> Floats:
-    """Return column and row of a flattened picture's pixels, and ones, (3, n)."""
+    """Return how far right of and below the middle a picture's pixels lie, and ones, (3, n)."""
     down, right = np.indices((rows, columns), np.float32)
+    right, down = right - (columns - 1) / 2, down - (rows - 1) / 2
     return np.stack([right.ravel(), down.ravel(), np.ones(rows * columns, np.float32)])
 
 
