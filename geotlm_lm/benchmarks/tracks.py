@@ -1,21 +1,25 @@
 """Whole recordings: how far it turned in all, what happened when, and beside it two rivals.
 
+Real ones are graded by turns measured by eye, between the frames these name. The tracker sees the
+whole file, or no more than those frames and the idle gel.
+
 Simulated streams hold several motions in a row, each with its exact beginning, end and amount: idle
 gel, touch, then turns and slides with rests between them or none, release, idle gel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geotlm_lm.alignment.dots import without_dots
-from geotlm_lm.benchmarks.cases import Half, recordings_by_half, rows_of_half, titled
-from geotlm_lm.benchmarks.harness import Pivot, Row, Run, Section, every
-from geotlm_lm.benchmarks.judging import Graded, share_rows
+from geotlm_lm.benchmarks.cases import Half, by_half, recordings_by_half, rows_of_half, titled
+from geotlm_lm.benchmarks.harness import Pivot, Row, Run, Section
+from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.variants import FITS
 from geotlm_lm.core.clip import Clip
@@ -23,15 +27,9 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import Component, Twist
-from geotlm_lm.data.touch_table import (
-    FIRST_IDLE,
-    SURELY_IDLE,
-    TABLE_NAME,
-    DirectedRow,
-    read_directed,
-)
+from geotlm_lm.data.gold_turns import GoldTurn, Moment, Quality, read_gold_turns
 from geotlm_lm.recordings.read import read_clip
-from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.events import Event, EventKind, Span
 from geotlm_lm.track.track import Track
 
 if TYPE_CHECKING:
@@ -40,6 +38,13 @@ if TYPE_CHECKING:
 TRACK = "track"
 
 WITHIN_DEG, WITHIN_S, STREAMS = 5.0, 0.2, 60
+
+NARROW = 0.1
+"""Share of a turn within which it is told well; a point of its curve is right within as much."""
+
+WITHIN_MOMENT_S = 0.1
+"""Off which a moment may be beside what its label is unsure of: a frame at 10 fps, 2.5 at 25, where
+every fifth or sixth frame of many recordings repeats the one before."""
 
 KINDS = {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
 
@@ -157,43 +162,119 @@ def _planned(scene: Scene, component: Component, begin: int, end: int) -> Planne
     return Planned(component, begin, end, made.twist, bool(truth.moves) and truth.is_visible)
 
 
+Grade = bool | float
+"""Whether something is right, or a number of which the median is shown."""
+
+Graded = tuple[str, str, Grade, str]
+"""Case, variant, its grade, and the family that is resampled as a whole."""
+
+
 def _track_rows(run: Run) -> Iterator[Row]:
     for name, half, real in recordings_by_half(run.real):
-        directed = rows_of_half(read_directed(real.folder / TABLE_NAME), half)
-        rows = [row for row in directed if row.turn_deg]
-        graded = _real_grades(run, name, half, rows[: run.size(len(rows), 2)])
-        yield from share_rows(graded, run.seed)
-    yield from share_rows(_simulated_grades(run, run.size(STREAMS, 4)), run.seed)
+        turns = rows_of_half(read_gold_turns(real.folder), half)
+        graded = [turn for turn in turns if turn.quality is not Quality.POOR]
+        few = graded[: run.size(len(graded), 2)]
+        yield from graded_rows(_real_grades(run, name, half, few), run.seed)
+    yield from graded_rows(_simulated_grades(run, run.size(STREAMS, 4)), run.seed)
 
 
-def _real_grades(run: Run, name: str, half: Half, rows: Sequence[DirectedRow]) -> Iterator[Graded]:
-    for done, row in enumerate(rows, start=1):
-        clip = read_clip(row.path)
-        tracked = run.answerer.track(clip)
-        spans = {"whole recording": None, "bracketed contact": row.touched, "turn": row.turning}
-        for span, frames in spans.items():
-            case = titled(f"real {name}, {span}", half)
-            part = tracked if frames is None else tracked.between(*frames)
-            net = part.net(Component.TURN)
-            for what, is_right in _turn_grades(row, net.mean):
-                yield f"{case}: {what}", TRACK, is_right, row.object_family
-            yield f"{case}: span", TRACK, net.holds(row.turn_deg), row.object_family
-        # Rivals know no touch: they are given the contact.
-        case = titled(f"real {name}, bracketed contact", half)
+def graded_rows(graded: Iterable[Graded], seed: int) -> Iterator[Row]:
+    """Yield shares of wrong answers and, as `detail["median"]`, medians, in order of appearance."""
+    by_case: dict[tuple[str, str], list[tuple[Grade, str]]] = {}
+    for case, variant, grade, family in graded:
+        by_case.setdefault((case, variant), []).append((grade, family))
+    for (case, variant), own in by_case.items():
+        grades, families = zip(*own, strict=True)
+        if isinstance(grades[0], bool | np.bool_):
+            yield share_row(case, variant, grades, families, seed)
+        else:
+            median = float(np.median(grades))
+            yield Row(case, variant, len(grades), detail={"median": median})
+
+
+def _real_grades(run: Run, name: str, half: Half, turns: Sequence[GoldTurn]) -> Iterator[Graded]:
+    for done, turn in enumerate(turns, start=1):
+        clip, family = read_clip(turn.recording.path), turn.object_family
+        first, last = turn.first_frame, turn.last_frame
+        whole = run.answerer.track(clip).between(first, last)
+        idle = np.median(clip.frames[turn.recording.surely_idle], axis=0).astype(np.uint8)
+        part = replace(clip.select(range(first, last + 1)), background=idle)
+        tracks = {"whole recording": whole, "bracketed": run.answerer.track(part)}
+        for title, track in tracks.items():
+            for what, grade in track_grades(turn, track):
+                yield f"{titled(f'real {name}, {title}', half)}: {what}", TRACK, grade, family
+        part = replace(part, background=without_dots(idle))
         for variant, rival in FITS.items():
-            first, last = row.touched or (0, len(clip) - 1)
-            idle = np.median(clip.frames[FIRST_IDLE : FIRST_IDLE + SURELY_IDLE], axis=0)
-            part = clip.select(range(first, min(last + 1, len(clip))))
-            part = replace(part, background=without_dots(idle.astype(np.uint8)))
-            for what, is_right in _turn_grades(row, rival.fit(part).rotation_deg):
-                yield f"{case}: {what}", variant, is_right, row.object_family
-        run.progress(titled(f"tracks of {name}", half), done, len(rows))
+            for what, grade in turn_grades(turn, rival.fit(part).rotation_deg):
+                yield f"{titled(f'real {name}, bracketed', half)}: {what}", variant, grade, family
+        run.progress(titled(f"tracks of {name}", half), done, len(turns))
 
 
-def _turn_grades(row: DirectedRow, turn_deg: float) -> list[tuple[str, bool]]:
-    off, true = abs(turn_deg - row.turn_deg), row.turn_deg
-    is_near = off <= max(WITHIN_DEG, RELATIVE_TOLERANCE * abs(true))
-    return [("direction", turn_deg * true > 0), ("how far", is_near)]
+def track_grades(turn: GoldTurn, track: Track) -> Iterator[tuple[str, Grade]]:
+    """Yield what is graded of a track from the first labelled frame to the last."""
+    net, slack = track.net(Component.TURN), turn.slack_deg
+    yield from turn_grades(turn, net.mean)
+    yield "span", net.low - slack <= turn.turn_deg <= net.high + slack
+    if net.mean:
+        yield "half-width of the span, share of its turn", (net.high - net.mean) / abs(net.mean)
+    yield from _curve_grades(turn, track)
+    ways = (
+        ("half the turn", turn.half_turn, net.mean / 2),
+        ("30 degrees", turn.past_30_deg, math.copysign(30.0, turn.turn_deg)),
+    )
+    for what, moment, way in ways:
+        if moment is not None:
+            passed = passed_s(track, way) if way * turn.turn_deg > 0 else None
+            yield from _moment_grades(what, moment, passed, turn, track)
+
+
+def turn_grades(turn: GoldTurn, turn_deg: float) -> Iterator[tuple[str, Grade]]:
+    """Yield what is graded of an amount of degrees, clockwise positive."""
+    off, true = abs(turn_deg - turn.turn_deg), abs(turn.turn_deg)
+    yield "direction", turn_deg * turn.turn_deg > 0
+    for what, share in (("within a fifth", RELATIVE_TOLERANCE), ("within a tenth", NARROW)):
+        yield what, off <= max(WITHIN_DEG, share * true) + turn.slack_deg
+    yield "error, degrees", off
+    yield "ratio to the label", turn_deg / turn.turn_deg
+
+
+def passed_s(track: Track, way_deg: float) -> float | None:
+    """Return when a turn from the first frame on passes a way other than 0; None if it never does.
+
+    In seconds, between frames by the straight line.
+    """
+    turned = track.path_from_start[:, 0] * math.copysign(1.0, way_deg)
+    places = np.flatnonzero(turned >= abs(way_deg))
+    if not len(places):
+        return None
+    step = slice(int(places[0]) - 1, int(places[0]) + 1)
+    return float(np.interp(abs(way_deg), turned[step], track.times_s[step]))
+
+
+def _curve_grades(turn: GoldTurn, track: Track) -> Iterator[tuple[str, Grade]]:
+    for point in turn.curve:
+        if point.frame == turn.first_frame:
+            continue
+        curves = track.path_from_start[:, 0], track.path_deviations[:, 0]
+        span = Span(*(float(np.interp(point.frame, track.numbers, curve)) for curve in curves))
+        off, slack = abs(span.mean - point.turn_deg), point.half_width_deg
+        is_near = off <= max(WITHIN_DEG, NARROW * abs(point.turn_deg) + slack)
+        yield "curve within a tenth", is_near
+        yield "curve, error, degrees", off
+        yield "curve's span", span.low - slack <= point.turn_deg <= span.high + slack
+
+
+def _moment_grades(
+    what: str, moment: Moment, passed: float | None, turn: GoldTurn, track: Track
+) -> Iterator[tuple[str, Grade]]:
+    """Yield grades of a moment; what is never passed is wrong, and no error in seconds."""
+    if passed is None:
+        yield f"{what} within 0.1 s", False
+        return
+    off = abs(passed - float(np.interp(moment.frame, track.numbers, track.times_s)))
+    is_near = off <= WITHIN_MOMENT_S + moment.half_width / turn.recording.fps
+    yield f"{what} within 0.1 s", is_near
+    yield f"{what}, error, seconds", off
 
 
 def _simulated_grades(run: Run, count: int) -> Iterator[Graded]:
@@ -241,16 +322,30 @@ def _matching(planned: Planned, events: Sequence[Event]) -> Event | None:
     return max(likely, key=overlap, default=None)
 
 
+def _cell(row: Row) -> str:
+    return f"{row.detail['median']:.3f}" if "median" in row.detail else right_with_interval(row)
+
+
 TRACKS = Section(
     name="recordings",
     title="Whole recordings",
     about="""\
-A recording from its first frame to its last, bracketed at its contact, and at its labelled turn:
-the *direction* of the net turn; *how far*, within 5 degrees or a fifth of the label; whether the
-told *span*, nine in ten, holds it. Optical flow and direct alignment are summed from frame to frame
-over the same frames. Simulated streams hold several motions in a row: an event is *found* if one of
-its kind and way overlaps it, its *ends* are right within 0.2 s, the *order* is that of the truth,
-and a single turn is *not told back* by a turn the other way.""",
+Real recordings are graded by turns measured by eye on key frames laid over each other, between the
+first and the last labelled frame. The tracker sees the *whole recording*, or is given these frames
+alone beside the idle gel (*bracketed*), as optical flow and direct alignment are, which are summed
+from frame to frame. Graded are the *direction* of the net turn; whether it is *within a fifth* and
+*within a tenth* of the label, or 5 degrees; whether the told *span*, nine in ten, holds the label.
+What could be measured only fairly is allowed its own half-width besides, what could be measured
+poorly is left out. Lines of errors, ratios and half-widths are medians.
+
+Where the course of a turn was measured, its *curve* is graded at some seven frames, within 5
+degrees, or a tenth beside the half-width of the label, which its span may be off too; and the
+moments at which *half the turn* that is told, and *30 degrees*, are passed, within 0.1 s beside
+what the label is unsure of. A moment that never comes is wrong, and has no error in seconds.
+
+Simulated streams hold several motions in a row: an event is *found* if one of its kind and way
+overlaps it, its *ends* are right within 0.2 s, the *order* is that of the truth, and a single turn
+is *not told back* by a turn the other way.""",
     run=_track_rows,
-    views={"": (Pivot(right_with_interval, "recordings, what is graded"), every)},
+    views=by_half(Pivot(_cell, "recordings, what is graded")),
 )

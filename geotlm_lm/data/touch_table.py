@@ -2,9 +2,7 @@
 
 A row names the recording in `clip`, its `fps`, and the first and last touched frame in
 `contact_start` and `contact_end`, counted from 0; recordings never touched leave both empty.
-`object` and `object_family` are read where there are such columns. `direction` names the main
-motion of the whole recording, and `tier` how sure the table is of it; `rotation_start` and
-`rotation_end` are the frames of its turn, `rotation_deg_cw` its size.
+`object` and `object_family` are read where there are such columns.
 """
 
 from __future__ import annotations
@@ -13,7 +11,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.data.labelled_recordings import csv_lines, object_of
 
 TABLE_NAME = "clips.csv"
@@ -27,9 +24,6 @@ BEFORE_TOUCH = 3
 SURELY_IDLE = 5
 """First frames taken as untouched beyond doubt: in some of the recordings seen, the gel changes by
 up to 70 grey levels before the labelled contact."""
-
-SURE_TIERS = ("A", "B", "")
-"""Tiers whose direction counts as known: high and medium confidence, and tables without tiers."""
 
 REQUIRED_COLUMNS = frozenset(("clip", "fps", "contact_start", "contact_end"))
 
@@ -64,19 +58,6 @@ class TouchRow:
             )
 
 
-@dataclass(frozen=True)
-class DirectedRow:
-    """A recording whose main motion has a known direction."""
-
-    path: Path
-    motion: Motion  # as displayed
-    object_id: str
-    object_family: str
-    turn_deg: float | None = None  # its main turn, clockwise positive
-    turning: tuple[int, int] | None = None  # first and last frame of that turn
-    touched: tuple[int, int] | None = None  # first and last frame in contact
-
-
 def read_touch_table(path: Path) -> list[TouchRow]:
     """Return the touched recordings of a table, none where there is no such file.
 
@@ -99,16 +80,6 @@ def read_touch_table(path: Path) -> list[TouchRow]:
     return rows
 
 
-def read_directed(path: Path) -> list[DirectedRow]:
-    """Return the recordings whose main motion a table states, none where there is no such file."""
-    return [
-        DirectedRow(recording, Motion(word), *object_of(recording, values), *_turn(values))
-        for recording, values in _rows(path)
-        if (word := (values.get("direction") or "").strip().lower()) in DIRECTED
-        and (values.get("tier") or "").strip() in SURE_TIERS
-    ]
-
-
 def _rows(path: Path) -> list[tuple[Path, dict[str, str]]]:
     if not path.is_file():
         return []
@@ -119,20 +90,6 @@ def _rows(path: Path) -> list[tuple[Path, dict[str, str]]]:
             f"contact_start and contact_end among them."
         )
     return [(path.parent / values["clip"], values) for _, values in lines]
-
-
-def _turn(
-    values: dict[str, str],
-) -> tuple[float | None, tuple[int, int] | None, tuple[int, int] | None]:
-    """Return the main turn, and the frames of it and of contact, as far as they are told."""
-    turn = (values.get("rotation_deg_cw") or "").strip()
-
-    def frames(first: str, last: str) -> tuple[int, int] | None:
-        pair = [(values.get(name) or "").strip() for name in (first, last)]
-        return tuple(map(int, pair)) if all(text.isdecimal() for text in pair) else None
-
-    spans = frames("rotation_start", "rotation_end"), frames("contact_start", "contact_end")
-    return float(turn) if turn else None, *spans
 
 
 def _fps(path: Path, values: dict[str, str]) -> float:

@@ -1,8 +1,7 @@
 import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.data.touch_table import read_directed, read_touch_table
+from geotlm_lm.data.touch_table import read_touch_table
 
 HEADER = "clip,object,object_family,fps,contact_start,contact_end\n"
 
@@ -56,14 +55,3 @@ def test_a_recording_that_ends_too_early_is_refused(table):
     row.check_length(10)
     with pytest.raises(UnreadableClip, match="names frame 9, the recording holds frames 0 to 8"):
         row.check_length(9)
-
-
-def test_only_sure_directions_of_whole_recordings_are_read(table):
-    header = "clip,object,object_family,fps,contact_start,contact_end,direction,tier\n"
-    rows = ("a.mov,cap,caps,25,5,9,clockwise,A", "b.mov,,,25,5,9,counterclockwise,C")
-    found = read_directed(
-        table(header + "\n".join((*rows, "c.mov,,,25,5,9,,P", "d.mov,,,25,,,,N")))
-    )
-    (row,) = found
-    assert (row.path.name, row.motion) == ("a.mov", Motion.CLOCKWISE)
-    assert (row.object_id, row.object_family) == ("cap", "caps")

@@ -1,12 +1,12 @@
 """A whole recording with the shipped model: turned, held, turned back, let go; one of real life."""
 
-import csv
 from pathlib import Path
 
 import pytest
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS
+from geotlm_lm.data.gold_turns import read_gold_turns
 from geotlm_lm.recordings.read import read_clip
 from tests.track.stream import (
     BACK,
@@ -100,12 +100,13 @@ def test_the_track_of_a_clip_says_what_its_answers_say(answerer, path):
 @pytest.mark.real
 @pytest.mark.parametrize("name", ["mandarin_orange_2", "pen_base_1"])
 def test_a_real_turn_is_told_whole_and_bracketed(answerer, real, name):
-    rows = csv.DictReader((real / "physiclear" / "clips.csv").open())
-    (row,) = (row for row in rows if row["clip"] == f"clips/{name}.mov")
-    clip = read_clip(real / "physiclear" / row["clip"])
+    (turn,) = (
+        turn for turn in read_gold_turns(real / "physiclear") if turn.recording.path.stem == name
+    )
+    clip = read_clip(turn.recording.path)
     track = answerer.track(clip)
-    spans = (None, (int(row["contact_start"]), int(row["contact_end"])))
-    for encoded in (answerer.encode(clip, span=span, track=track) for span in spans):
+    for span in (None, (turn.first_frame, turn.last_frame)):
+        encoded = answerer.encode(clip, span=span, track=track)
         assert answerer.ask(encoded, "Which way is it turning?").direction is Motion.CLOCKWISE
         answer = answerer.ask(encoded, "How far did it turn?")
-        assert answer.amount.value == pytest.approx(float(row["rotation_deg_cw"]), rel=0.3)
+        assert answer.amount.value == pytest.approx(turn.turn_deg, rel=0.3)
