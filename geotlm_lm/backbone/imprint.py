@@ -107,7 +107,8 @@ def gradients(image: Floats) -> tuple[Floats, Floats]:
 def _residual(frame: NDArray[np.uint8], idle: NDArray[np.uint8], filled: tuple[int, int]) -> Floats:
     """Return a frame less the idle gel, grey levels, (SMALL_ROWS, SMALL_COLUMNS, 3).
 
-    A picture of one colour is (SMALL_ROWS, SMALL_COLUMNS). Idle gel surrounds a picture of another shape than a camera's.
+    A picture of one colour is (SMALL_ROWS, SMALL_COLUMNS). Idle gel surrounds a picture of another
+    shape than a camera's.
     """
     across, down = SMALL_COLUMNS / IMAGE_SIDE, SMALL_ROWS / IMAGE_SIDE
     columns, rows = max(round(filled[1] * across), 2), max(round(filled[0] * down), 2)
