@@ -105,18 +105,23 @@ class _Level:
     @cached_property
     def compared(self) -> NDArray[np.intp]:
         """Places, in the flattened picture, of the n pixels that are compared."""
-        right, down = self._gradients
-        energy = (right * right + down * down).ravel()
+        steepness = cv2.magnitude(*self._gradients).ravel()
         # A third of the pixels tells the bound as well.
-        sample = energy[::3] if energy.size > SMALL_SAMPLE else energy
+        sample = steepness[::3] if steepness.size > SMALL_SAMPLE else steepness
         place = int(sample.size * (1 - GRADIENT_SHARE))
-        return np.flatnonzero(energy >= np.partition(sample, place)[place])
+        places = np.flatnonzero(steepness >= np.partition(sample, place)[place])
+        return places[:: 1 + places.size // MOST_COMPARED]
+
+    @cached_property
+    def places(self) -> Floats:
+        """How far right of and below the middle the pixels compared lie, and ones, (3, n)."""
+        return _places(*self.image.shape).take(self.compared, axis=1)
 
     @cached_property
     def jacobian(self) -> Floats:
         """Change of each pixel compared with turn (at `lever_px`), right, down, gain, offset."""
-        right, down = (field.ravel()[self.compared] for field in self._gradients)
-        x, y = (axis[self.compared] for axis in _places(*self.image.shape))
+        right, down = (field.take(self.compared) for field in self._gradients)
+        x, y, _ = self.places
         jacobian = np.empty((5, len(right)), np.float32)
         jacobian[0] = (down * x - right * y) * np.float32(1 / self.lever_px)
         jacobian[1], jacobian[2], jacobian[3] = right, down, self.values
@@ -126,12 +131,13 @@ class _Level:
     @cached_property
     def values(self) -> Floats:
         """The pixels compared, (n,)."""
-        return self.image.ravel()[self.compared]
+        return self.image.take(self.compared)
 
     @cached_property
     def inverse(self) -> NDArray[np.float64]:
         """Of the normal matrix, (5, 5)."""
-        return _inverse(self.jacobian @ self.jacobian.T)
+        # A copy: of one and the same array numpy takes a product that is five times slower.
+        return _inverse(self.jacobian.copy() @ self.jacobian.T)
 
     @cached_property
     def solver(self) -> Floats:
@@ -141,14 +147,23 @@ class _Level:
     @cached_property
     def contrast(self) -> float:
         """Deviation of the pixels compared."""
-        return float(self.values.std())
+        return float(cv2.meanStdDev(self.values)[1].item())
 
     def solver_of_change(self, later: Floats, still_grey: float, least: float) -> Floats:
         """Return the same, weighing each pixel by how much it changes from this picture on."""
         change = cv2.GaussianBlur(cv2.subtract(later, self.image), (0, 0), 1.0)
-        change = np.square(change.ravel()[self.compared])
+        change = np.square(change.take(self.compared))
         weighted = self.jacobian * (change / (change + still_grey**2) + least)
         return _inverse(weighted @ self.jacobian.T).astype(np.float32) @ weighted
+
+    def seen_in(self, later: Floats, motion: Rigid) -> Floats:
+        """Return where a motion takes the pixels compared in a later picture, (n,); 0 outside."""
+        rows, columns = self.image.shape
+        cos, sin = math.cos(motion.turn_rad), math.sin(motion.turn_rad)
+        right, down = (columns - 1) / 2 + motion.right_px, (rows - 1) / 2 + motion.down_px
+        way = np.array([[cos, -sin, right], [sin, cos, down]], np.float32)
+        x, y = way @ self.places
+        return cv2.remap(later, x[None], y[None], cv2.INTER_LINEAR)[0]
 
     @cached_property
     def _gradients(self) -> tuple[Floats, Floats]:
@@ -158,6 +173,9 @@ class _Level:
 
 SMALL_SAMPLE = 2000
 
+MOST_COMPARED = 30_000
+"""OpenCV looks up no more than 32,767 pixels in a row."""
+
 WORSE = 1.2
 """Squared error over that at the start from which on steps have lost their way."""
 LEAST_WEIGHT = 0.02
@@ -165,15 +183,18 @@ LEAST_WEIGHT = 0.02
 
 
 @lru_cache(maxsize=16)
-def _places(rows: int, columns: int) -> tuple[Floats, Floats]:
-    """Return the places of a flattened picture's pixels from its middle, right and down."""
+def _places(rows: int, columns: int) -> Floats:
+    """Return how far right of and below the middle a picture's pixels lie, and ones, (3, n)."""
     down, right = np.indices((rows, columns), np.float32)
-    return (right - (columns - 1) / 2).ravel(), (down - (rows - 1) / 2).ravel()
+    right, down = right - (columns - 1) / 2, down - (rows - 1) / 2
+    return np.stack([right.ravel(), down.ravel(), np.ones(rows * columns, np.float32)])
 
 
 def _inverse(normal: Floats) -> NDArray[np.float64]:
-    normal = normal.astype(np.float64)
-    return np.linalg.inv(normal + np.diag(1e-4 * np.diag(normal) + 1e-6))
+    damped = normal.astype(np.float64)
+    damped.flat[:: len(damped) + 1] *= 1 + 1e-4
+    damped.flat[:: len(damped) + 1] += 1e-6
+    return cv2.invert(damped)[1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,20 +284,15 @@ def _refined(
 
     Steps that leave clearly more than there was at the start have lost their way and are undone.
     """
-    rows, columns = level.image.shape
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     solve, (still_grey, least) = level.solver, weights
     if still_grey is not None:
         solve = level.solver_of_change(later, still_grey, least)
     start = None
     for _ in range(ITERATIONS):
-        way = motion.matrix(rows, columns)
-        warped = cv2.warpAffine(later, way, (columns, rows), flags=flags)
-        error = warped.ravel()[level.compared] - level.values
+        error = level.seen_in(later, motion) - level.values
         turn, right, down, gain, offset = (solve @ error).tolist()
-        left = error - offset - gain * level.values
         if start is None:
-            start = motion, left
+            start = motion, error - offset - gain * level.values
         # A picture of more contrast is steeper by as much: its steps would be too long. Those of a
         # fainter one are too short, which only takes longer; made longer, where little is alike,
         # they would jump to the next marker.
@@ -285,4 +301,5 @@ def _refined(
         motion = motion.after(Rigid(turn / level.lever_px, right, down).inverse())
         if max(abs(turn), abs(right), abs(down)) < close_px:
             break
+    left = error - offset - gain * level.values
     return (motion, left) if left @ left <= WORSE * (start[1] @ start[1]) else start

@@ -76,13 +76,14 @@ def imprint_of(clip: Clip) -> Imprint:
     seen = [_cut(image, view) for image in whole]
     height = max(round(VIEW_SIDE / aspect), 8)
     bare = without_dots(clip.background)
-    moving, is_dotted = seen, bare is not clip.background
+    is_dotted = bare is not clip.background
+    moving = [cv2.extractChannel(part, 1) for part in seen]
     if is_dotted:
-        moving = [_cut(_residual(frame, bare, filled), view) for frame in frames]
-    green = [
-        cv2.resize(cv2.extractChannel(part, 1), (VIEW_SIDE, height), interpolation=cv2.INTER_AREA)
-        for part in moving
-    ]
+        shading = cv2.extractChannel(bare, 1)
+        greens = (cv2.extractChannel(frame, 1) for frame in frames)
+        moving = [_cut(_residual(image, shading, filled), view) for image in greens]
+    size = (VIEW_SIDE, height)
+    green = [cv2.resize(part, size, interpolation=cv2.INTER_AREA) for part in moving]
     cells = [area_means(part, RELIEF_SIDE) for part in seen]
     lights = lights_of(cells, aspect)
     cells, relief = _under_usual_lights(cells, lights, aspect)
@@ -106,7 +107,8 @@ def gradients(image: Floats) -> tuple[Floats, Floats]:
 def _residual(frame: NDArray[np.uint8], idle: NDArray[np.uint8], filled: tuple[int, int]) -> Floats:
     """Return a frame less the idle gel, grey levels, (SMALL_ROWS, SMALL_COLUMNS, 3).
 
-    Idle gel surrounds a picture of another shape than a camera's.
+    A picture of one colour is (SMALL_ROWS, SMALL_COLUMNS). Idle gel surrounds a picture of another
+    shape than a camera's.
     """
     across, down = SMALL_COLUMNS / IMAGE_SIDE, SMALL_ROWS / IMAGE_SIDE
     columns, rows = max(round(filled[1] * across), 2), max(round(filled[0] * down), 2)
@@ -126,7 +128,7 @@ def _residual(frame: NDArray[np.uint8], idle: NDArray[np.uint8], filled: tuple[i
 
 
 def _cut(image: Floats, view: View) -> Floats:
-    """Return the view's part of a small picture, (VIEW_SIDE, VIEW_SIDE, 3); zero outside."""
+    """Return the view's part of a small picture, `VIEW_SIDE` square; zero outside."""
     across, down = SMALL_COLUMNS / IMAGE_SIDE, SMALL_ROWS / IMAGE_SIDE
     wide, high = view.side_px / VIEW_SIDE * across, view.side_px / VIEW_SIDE * down
     left = (view.centre_x_px - view.side_px / 2) * across

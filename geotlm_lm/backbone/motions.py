@@ -90,10 +90,9 @@ def motions_of(imprint: Imprint) -> FoundMotions:
     pictures = [Picture.of(frame, GREEN_LEVELS) for frame in imprint.green]
     green = _Sequence(pictures, [picture.even() for picture in pictures], STILL_EVEN)
     relief = _relief_of(imprint) if imprint.is_shaded else None
-    local = np.zeros((count, GRID_SIDE, GRID_SIDE, LOCAL_CHANNELS), np.float32)
+    beyond = [_beyond(pictures[0].image, pictures[0].image, Rigid())]
     sureness = np.zeros((count, MOTION_NUMBERS), np.float32)
     sureness[:, [0, 4]] = 1
-    local[0] = _beyond(pictures[0].image, pictures[0].image, Rigid())
     pairs: list[tuple[_Found, _Found]] = []
     for k in range(1, count):
         in_green = in_relief = green.next()
@@ -101,13 +100,14 @@ def motions_of(imprint: Imprint) -> FoundMotions:
             # It begins where the residual ended: its own detail is coarser.
             in_relief = relief.next(in_green.step.motion, relief.size[1] / VIEW_SIDE)
         pairs.append((in_green, in_relief))
-        local[k] = _beyond(pictures[0].image, pictures[k].image, in_green.direct.motion)
+        beyond.append(_beyond(pictures[0].image, pictures[k].image, in_green.direct.motion))
         sureness[k] = np.concatenate([_sureness(in_green.direct), _sureness(in_relief.direct)])
     kinds = green, green if relief is None else relief
     displacement = _displacement(pairs, tuple(kind.size for kind in kinds))
     motions = _last(pairs, kinds, imprint) if pairs else Motions.none()
     if relief is None:
         motions.correlations[2:] = 0
+    local = _local(np.stack(beyond, axis=1), *imprint.green[0].shape)
     return FoundMotions(displacement, local, sureness, motions)
 
 
@@ -195,20 +195,33 @@ def _displacement(pairs: Sequence[tuple[_Found, _Found]], sizes: Sequence) -> Fl
 
 
 def _beyond(first: Floats, now: Floats, motion: Rigid) -> Floats:
-    """Return what each patch shows beyond a rigid motion from the first picture to this one."""
+    """Return what each patch shows beyond a rigid motion from the first picture to this one.
+
+    Means over each patch, (7, 14, 14): the gradients' products xx, xy and yy, those with the error
+    x and y, the squared error, and that at rest.
+    """
     rows, columns = now.shape
     moved = first
     if motion != Rigid():
         ahead = motion.matrix(rows, columns)
         moved = cv2.warpAffine(first, ahead, (columns, rows), flags=cv2.INTER_LINEAR)
     right, down = gradients(moved)
-    error, at_rest = now - moved, now - first
-    products = (right * right, right * down, down * down, right * error, down * error)
-    squares = (error * error, at_rest * at_rest)
-    grid = (GRID_SIDE, GRID_SIDE)
-    xx, xy, yy, xe, ye, left, rest = (
-        cv2.resize(image, grid, interpolation=cv2.INTER_AREA) for image in (*products, *squares)
-    )
+    error, at_rest = cv2.subtract(now, moved), cv2.subtract(now, first)
+    factors = ((right, right), (right, down), (down, down), (right, error), (down, error),
+               (error, error), (at_rest, at_rest))  # fmt: skip
+    means, product = np.empty((len(factors), GRID_SIDE, GRID_SIDE), np.float32), None
+    for mean, (one, other) in zip(means, factors, strict=True):
+        product = cv2.multiply(one, other, dst=product)
+        cv2.resize(product, mean.shape, dst=mean, interpolation=cv2.INTER_AREA)
+    return means
+
+
+def _local(beyond: Floats, rows: int, columns: int) -> Floats:
+    """Return the channels (frames, 14, 14, LOCAL_CHANNELS) of means (7, frames, 14, 14).
+
+    Rows and columns are those of the pictures.
+    """
+    xx, xy, yy, xe, ye, left, rest = beyond
     damped_xx, damped_yy = xx + CONTRAST_FLOOR_GREY2 / 4, yy + CONTRAST_FLOOR_GREY2 / 4
     scale = damped_xx * damped_yy - xy * xy
     # now(x) = moved(x - u): the error is -grad moved . u.

@@ -147,6 +147,7 @@ class SceneChecker:
         self._jumps: list[Jump] = []
         self._first: _Look | None = None
         self._lost: list[tuple[bool, int]] = []  # each with the frames that the look stands for
+        self._waiting: list[tuple[Frames, int]] = []  # pictures that nothing is told from yet
         self._twice: list[Floats] = []
 
     @property
@@ -204,11 +205,13 @@ class SceneChecker:
             self._lost.append((False, apart))
             return
         small = _scene_size(frame)
-        fine = _band(small, 0.8, 4.0)
         if self._first is None:
-            self._first = _Look.at(small, fine)
+            self._first = _Look(small)
             return
-        self._lost.append((self._first.is_lost(fine), apart))
+        self._waiting.append((small, apart))
+        if len(self._lost) + len(self._waiting) >= FEWEST_LOOKS:
+            self._lost += [(self._first.is_lost(seen), stands) for seen, stands in self._waiting]
+            self._waiting.clear()
         if self._first.alike.max() > TWICE:
             change = _band(_unmarked(small), 0.8, 4.0) - self._first.plain
             if np.square(change).mean() > LEAST_TWICE_GREY**2:
@@ -286,19 +289,36 @@ def _moved_back(frame: Frames, jump: Jump, idle: Frames | None) -> Frames:
 class _Look:
     """The first picture, `SCENE_COLUMNS` wide, as later ones are compared with it."""
 
-    fine: Floats  # pattern without noise and shading, of all colours
-    plain: Floats  # the same without markers, a grid of which is there as often as one likes
-    structure_grey: float  # rms of what is coarser than markers and finer than shading
-    blocks: Floats  # mean square of the grey pattern in each block
-    alike: Floats  # how one half of the pattern resembles the other, markers left out
+    small: Frames
 
-    @classmethod
-    def at(cls, small: Frames, fine: Floats) -> _Look:
-        unmarked = _unmarked(small)
-        structure, plain = _band(unmarked, 1.0, 8.0), _band(unmarked, 0.8, 4.0)
-        structure_grey = float(np.sqrt(np.square(structure).mean()))
-        blocks = _in_blocks(np.square(fine.mean(axis=-1)))
-        return cls(fine, plain, structure_grey, blocks, _halves_alike(plain))
+    @cached_property
+    def fine(self) -> Floats:
+        """Pattern without noise and shading, the mean of all colours."""
+        return _grey_band(self.small)
+
+    @cached_property
+    def plain(self) -> Floats:
+        """All colours without markers, a grid of which is there as often as one likes."""
+        return _band(self._unmarked, 0.8, 4.0)
+
+    @cached_property
+    def structure_grey(self) -> float:
+        """Rms of what is coarser than markers and finer than shading."""
+        return float(np.sqrt(np.square(_band(self._unmarked, 1.0, 8.0)).mean()))
+
+    @cached_property
+    def blocks(self) -> Floats:
+        """Mean square of the grey pattern in each block."""
+        return _in_blocks(np.square(self.fine))
+
+    @cached_property
+    def alike(self) -> Floats:
+        """How one half of the pattern resembles the other, markers left out."""
+        return _halves_alike(self.plain)
+
+    @cached_property
+    def _unmarked(self) -> Frames:
+        return _unmarked(self.small)
 
     @cached_property
     def _rim(self) -> NDArray[np.bool_]:
@@ -317,14 +337,14 @@ class _Look:
         """Whether later looks can tell anything."""
         return self.is_patterned or bool(self.alike.max() > TWICE)
 
-    def is_lost(self, fine: Floats) -> bool:
+    def is_lost(self, later: Frames) -> bool:
         """Tell whether most of its pattern is gone from a later picture, at the rim too."""
         if not self.is_patterned:
             return False
         is_patterned, rim = self.blocks > PATTERN_GREY**2, self._rim
-        grey, own = fine.mean(axis=-1), self.fine.mean(axis=-1)
-        correlation = _in_blocks(own * grey) / np.sqrt(self.blocks * _in_blocks(grey * grey) + 1e-6)
-        is_gone = correlation < LOST_CORRELATION
+        grey = _grey_band(later)
+        alike = _in_blocks(self.fine * grey)
+        is_gone = alike / np.sqrt(self.blocks * _in_blocks(grey * grey) + 1e-6) < LOST_CORRELATION
         return min(is_gone[is_patterned].mean(), is_gone[is_patterned & rim].mean()) >= MOST_LOST
 
 
@@ -341,6 +361,11 @@ def _unmarked(small: Frames) -> Frames:
 def _band(picture: NDArray, fine: float, coarse: float) -> Floats:
     smooth = cv2.GaussianBlur(picture.astype(np.float32), (0, 0), fine)
     return smooth - cv2.GaussianBlur(smooth, (0, 0), coarse)
+
+
+def _grey_band(picture: Frames) -> Floats:
+    red, green, blue = cv2.split(picture.astype(np.float32))
+    return _band((red + green + blue) / 3, 0.8, 4.0)
 
 
 def _in_blocks(picture: Floats) -> Floats:
