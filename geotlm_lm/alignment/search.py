@@ -59,26 +59,43 @@ def search(before: Floats, after: Floats) -> Rigid:
     before, after = (
         cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in (before, after)
     )
-    columns, rows = size
-    x, y = (columns - 1) / 2, (rows - 1) / 2
-    turned = np.zeros((len(TURNS_RAD), _PADDED, _PADDED), np.float32)
-    for image, turn in zip(turned, TURNS_RAD.tolist(), strict=True):
-        cos, sin = np.cos(turn), np.sin(turn)
-        back = np.array([[cos, sin, x - cos * x - sin * y], [-sin, cos, y + sin * x - cos * y]])
-        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        image[:rows, :columns] = cv2.warpAffine(before, back, tuple(size), flags=flags)
-    target = np.zeros((_PADDED, _PADDED), np.float32)
-    target[:rows, :columns] = after
-    norm = np.sqrt(np.square(turned).sum(axis=(1, 2)) * np.square(target).sum()) + 1e-6
-    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical()
-    spectra *= torch.fft.rfft2(torch.from_numpy(target)) / torch.from_numpy(norm)[:, None, None]
-    score = (torch.fft.irfft2(spectra) - _prior()).numpy()
+    score = correlations(before, after, TURNS_RAD, (_PADDED, _PADDED)) - _prior().numpy()
     turn, down, right = np.unravel_index(score.argmax(), score.shape)
     # The transform is periodic: shifts beyond half of it are negative.
     right, down = (
         ((int(place) + _PADDED // 2) % _PADDED - _PADDED // 2) / shrink for place in (right, down)
     )
     return Rigid(float(TURNS_RAD[turn]), right, down)
+
+
+def correlations(
+    before: Floats, after: Floats, turns_rad: Floats, padded: tuple[int, int]
+) -> Floats:
+    """Return how alike a picture and an earlier one are at every turn and shift.
+
+    Args:
+        before: Earlier picture, of mean zero, pixels square, (rows, columns).
+        after: Later one of the same size.
+        turns_rad: Turns about the middle, clockwise positive, (n,).
+        padded: Rows and columns with room for shifts; shifts back are at the far ends.
+
+    Returns:
+        Correlations, float32, (n, *padded).
+    """
+    rows, columns = before.shape
+    x, y = (columns - 1) / 2, (rows - 1) / 2
+    turned = np.zeros((len(turns_rad), *padded), np.float32)
+    for image, turn in zip(turned, turns_rad.tolist(), strict=True):
+        cos, sin = np.cos(turn), np.sin(turn)
+        back = np.array([[cos, sin, x - cos * x - sin * y], [-sin, cos, y + sin * x - cos * y]])
+        flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+        image[:rows, :columns] = cv2.warpAffine(before, back, (columns, rows), flags=flags)
+    target = np.zeros(padded, np.float32)
+    target[:rows, :columns] = after
+    norm = np.sqrt(np.square(turned).sum(axis=(1, 2)) * np.square(target).sum()) + 1e-6
+    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical()
+    spectra *= torch.fft.rfft2(torch.from_numpy(target)) / torch.from_numpy(norm)[:, None, None]
+    return torch.fft.irfft2(spectra, s=padded).numpy()
 
 
 def align_or_search(before: Picture, after: Picture, start: Rigid | None = None) -> Aligned:

@@ -21,6 +21,7 @@ from geotlm_lm.model import GeoTLM, Perception
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import MotionNetwork, belief_of_one
+from geotlm_lm.track.angles import UNSURE_SHARE, Turn
 from geotlm_lm.track.exposure import Exposure
 from geotlm_lm.track.keyframes import Step
 
@@ -71,6 +72,8 @@ class Block:
     rows: list[Row] = field(default_factory=list)
     # some of their pictures with their places, from the last frame of that block on
     frames: list[tuple[float, Frames]] = field(default_factory=list)
+    # turns as frames apart tell them: rows from and to which, ends excluded and included
+    turns: list[tuple[int, int, Turn]] = field(default_factory=list)
 
     def add(self, row: Row, frame: Frames) -> None:
         """Add a frame."""
@@ -78,6 +81,19 @@ class Block:
         self.frames.append((row.time_s, frame))
         if len(self.frames) > KEPT_FRAMES:
             self.frames = [*self.frames[:-1:2], self.frames[-1]]
+
+    def correct(self, turn: Turn) -> None:
+        """Let the steps since the last such turn add up to this one."""
+        begin = self.turns[-1][1] if self.turns else 0
+        self.turns.append((begin, len(self.rows), turn))
+
+    @property
+    def turn_shares(self) -> Floats:
+        """Share of each step's turn that is doubted, (n,)."""
+        shares = np.full(len(self.rows), UNSURE_SHARE)
+        for begin, end, turn in self.turns:
+            shares[begin:end] = turn.share
+        return shares
 
     def expose(self, exposure: Exposure) -> None:
         """Change its pictures as if they had been exposed as later ones are."""
@@ -138,6 +154,10 @@ class Block:
         for k, row in enumerate(self.rows):
             if row.step is not None:
                 twists[k, :3] = row.step.twist
+        for begin, end, turn in self.turns:
+            steps = twists[begin:end, 0]
+            lengths = np.abs(steps) + 1e-12
+            steps += turn.beyond_deg * lengths / lengths.sum()
         return twists
 
     def _covariances(self) -> Floats:

@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
+from geotlm_lm.track.angles import UNSURE_SHARE
 from geotlm_lm.track.legs import SIGNIFICANT, Leg, Legs, Point
 
 Floats = NDArray[np.float64]
 
-SYSTEMATIC = (0.16, 0.16, 0.25)
+SYSTEMATIC = (UNSURE_SHARE, 0.16, 0.25)
 """Share of a turn, a slide and a press that is doubted beside what is measured step by step: what
-the pad holds back, it holds back in every step."""
+the pad holds back, it holds back in every step. Of a turn less where kept frames agree on it."""
 
 FLOOR_PX, FLOOR_MM = 0.2, 0.06
 """Deviation of any leg, however short: of a turn as a path at the contact's radius."""
@@ -91,11 +92,21 @@ def floor_of(component: Component, radius_px: float) -> float:
     return FLOOR_PX if component is Component.SLIDE else FLOOR_MM
 
 
-def amount_of(component: Component, twist: Floats, covariance: Floats, radius_px: float) -> Span:
-    """Return how far a component goes in a twist (4,) with the covariance (4, 4) of its steps."""
+def amount_of(
+    component: Component,
+    twist: Floats,
+    covariance: Floats,
+    radius_px: float,
+    turn_share: float = UNSURE_SHARE,
+) -> Span:
+    """Return how far a component goes in a twist (4,) with the covariance (4, 4) of its steps.
+
+    The last is the share of a turn that is doubted.
+    """
     way = twist[COLUMNS[component]]
     far = float(np.linalg.norm(way))
-    systematic = SYSTEMATIC[COMPONENTS.index(component)] * far
+    is_turn = component is Component.TURN
+    systematic = far * (turn_share if is_turn else SYSTEMATIC[COMPONENTS.index(component)])
     deviation = math.hypot(noise_of(component, covariance, radius_px), systematic)
     return Span(far if component is Component.SLIDE else float(way[0]), deviation)
 
@@ -196,6 +207,8 @@ class Moment:
     way: Floats  # integrated motion since the first frame, (4,)
     doubt: Floats  # sum of the steps' covariances, (4, 4)
     radius_px: float  # of the contact
+    # degrees turned there and back so far, and what of them is doubted
+    turned_deg: tuple[float, float] = (0.0, 0.0)
 
 
 class EventFinder:
@@ -313,7 +326,9 @@ class EventFinder:
         way, own = end.way - begin.way, end.doubt - begin.doubt
         amount = Span(0.0, 0.0)
         if component is not None and begin is not end:
-            amount = amount_of(component, way, own, end.radius_px)
+            turned, doubted = np.subtract(end.turned_deg, begin.turned_deg).tolist()
+            share = doubted / turned if turned > 0 else UNSURE_SHARE
+            amount = amount_of(component, way, own, end.radius_px, share)
         ends = (begin.number, end.number, begin.time_s, end.time_s)
         sure = max(begin.contact, end.contact)
         if component is not None:

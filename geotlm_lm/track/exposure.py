@@ -159,6 +159,8 @@ class IdleTracker:
         self._colours: Floats | None = None
         """A frame that is exposed as the idle gel is, as exposures are compared."""
         self._reference_age = 0
+        self.is_exposed_alike = True
+        """Whether the frame followed last is about as bright as the idle gel: no flash, no cap."""
         if idle is not None:
             # Contiguous: OpenCV changes it in place.
             self._idle = np.ascontiguousarray(idle, np.float32)
@@ -173,6 +175,7 @@ class IdleTracker:
 
     def follow_exposure(self, frame: Frames) -> Exposure | None:
         """Return how a frame is exposed anew, if it is; the idle gel is then taken to be so too."""
+        self.is_exposed_alike = True
         if self._idle is None or frame.shape != self._idle.shape:
             return None
         colours = small_colours(frame)
@@ -182,7 +185,10 @@ class IdleTracker:
             self._small = self._picture(self._idle)
             # Frames before and after do not agree with each other any more.
             self._recent.clear()
-        if self.is_exposed_alike(frame) and self._is_new_reference(colours, step):
+        few = (slice(None, None, SAMPLED), slice(None, None, SAMPLED))
+        shift_of_frame = float(np.median(frame[few] - self._idle[few]))
+        self.is_exposed_alike = abs(shift_of_frame) <= MOST_OFFSET_GREY
+        if self.is_exposed_alike and self._is_new_reference(colours, step):
             self._colours, self._reference_age = colours, 0
         self._reference_age += 1
         return step
@@ -192,13 +198,6 @@ class IdleTracker:
         if step is not None or self._colours is None or self._reference_age > CHANGING_FRAMES:
             return True
         return shift_grey(self._colours, colours) < STEADY_GREY
-
-    def is_exposed_alike(self, frame: Frames) -> bool:
-        """Tell whether a frame is about as bright as the idle gel: false of a flash or a cap."""
-        if self._idle is None or frame.shape != self._idle.shape:
-            return True
-        few = (slice(None, None, SAMPLED), slice(None, None, SAMPLED))
-        return abs(float(np.median(frame[few] - self._idle[few]))) <= MOST_OFFSET_GREY
 
     def strength(self, frame: Frames) -> float | None:
         """Take in the next frame and return its imprint; None while the gel is being learnt.
@@ -278,9 +277,12 @@ class IdleTracker:
         if len(self._recent) < count:
             return False
         small = np.stack([image for _, image in list(self._recent)[-count:]])
-        middle = np.median(small, axis=0)
         most = max(FAINT_IMPRINT, AGREEING * min(self._noise or 0.0, MOST_NOISE))
-        return max(self._imprint(image, middle) for image in small) < most
+        # What is as near to one middle is no farther from each other than twice that.
+        if self._imprint(small[0], small[-1]) >= 2 * most:
+            return False
+        middle = np.partition(small, count // 2, axis=0)[count // 2]
+        return all(self._imprint(image, middle) < most for image in small)
 
     def _was_lifted(self) -> bool:
         """Tell whether what was taken for idle had an object on it, which is gone now."""

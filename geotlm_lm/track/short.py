@@ -12,6 +12,7 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import Belief
+from geotlm_lm.track.angles import UNSURE_SHARE
 from geotlm_lm.track.block import Row
 from geotlm_lm.track.events import COLUMNS, STEPS, STICK_S, Event, EventKind, Span
 from geotlm_lm.track.track import Track, decided
@@ -64,6 +65,7 @@ def track_of_clip(shown: Sequence[Shown], belief: Belief, notes: tuple[str, ...]
         twists=twists,
         covariances=covariances,
         radius_px=np.full(count, belief.radius_px if touched >= 0.5 else 0.0),
+        turn_shares=np.full(count, UNSURE_SHARE),
         events=(),
         frame_size=shown[0].frame.shape[:2],
         notes=notes,

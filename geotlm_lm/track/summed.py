@@ -12,7 +12,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.track.events import Event, EventKind
-from geotlm_lm.track.track import STEPS_OF, SYSTEMATIC_OF, Track
+from geotlm_lm.track.track import STEPS_OF, Track
 
 EDGE_FRAMES = 3
 """A press that begins no later after a touch, or ends so before it ends, is the touch's own."""
@@ -31,7 +31,7 @@ def belief_of_track(track: Track, window: Belief) -> Belief:
     """
     contact = float(track.contact.max(initial=0.0))
     own = np.outer(STEPS_OF, STEPS_OF) * track.covariances.sum(axis=0)
-    doubt = np.square(SYSTEMATIC_OF * track.twists.sum(axis=0)) + np.square(track.floors)
+    doubt = np.square(track.systematic * track.twists.sum(axis=0)) + np.square(track.floors)
     ways: dict[Motion, float] = {}
     for component in COMPONENTS:
         moves = _moves(track, component) * (contact if track.is_contact_known else 1.0)

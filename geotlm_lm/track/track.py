@@ -23,6 +23,7 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import PX_PER_MM
 from geotlm_lm.recordings.scene_checks import SceneReport
+from geotlm_lm.track.angles import UNSURE_SHARE
 from geotlm_lm.track.events import (
     COLUMNS,
     MOVING,
@@ -51,7 +52,8 @@ WINDOW_DEG, WINDOW_PX = 30.0, 30.0
 SYSTEMATIC_OF, STEPS_OF = np.array([SYSTEMATIC, STEPS])[:, [0, 1, 1, 2]]
 """Of each number of a twist: a slide has two."""
 
-_ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px")
+_ARRAYS = ("numbers", "times_s", "contact", "strength_grey", "twists", "covariances", "radius_px",
+           "turn_shares")  # fmt: skip
 _WAYS = ("turn_deg", "right_px", "down_px", "inward_mm")
 
 
@@ -68,6 +70,7 @@ class Track:
     twists: Floats
     covariances: Floats  # what each step adds to the doubt of the way, (n, 4, 4)
     radius_px: Floats  # radius of the contact, (n,); 0 where nothing touches
+    turn_shares: Floats  # share of each step's turn that is doubted beside the steps' noise, (n,)
     events: tuple[Event, ...]  # what happened, by when it began
     frame_size: tuple[int, int]  # rows and columns of the recording's frames
     notes: tuple[str, ...] = ()  # what was amiss, one sentence each
@@ -93,8 +96,8 @@ class Track:
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
         own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
-        way = self.path_from_start
-        return np.sqrt(np.square(STEPS_OF) * own + np.square(SYSTEMATIC_OF * way))
+        systematic = self._systematic(0, np.arange(len(self))) * self.path_from_start
+        return np.sqrt(np.square(STEPS_OF) * own + np.square(systematic))
 
     @property
     def middle_radius_px(self) -> float:
@@ -155,7 +158,8 @@ class Track:
         A turn is clockwise positive, a press inward; a slide is the length of `net_twist`.
         """
         twist, own = self.twists.sum(axis=0), self.covariances.sum(axis=0)
-        return amount_of(component, twist, own, self.middle_radius_px)
+        share = self.systematic[0]
+        return amount_of(component, twist, own, self.middle_radius_px, share)
 
     @property
     def net_twist(self) -> Twist:
@@ -198,11 +202,25 @@ class Track:
         path, own = self.path_from_start, np.diagonal(self.covariances, axis1=1, axis2=2)
         own = np.cumsum(own, axis=0)
         way, doubt = path[late] - path[early], own[late] - own[early]
-        off = np.square(SYSTEMATIC_OF * way) + np.square(self.floors)
+        off = np.square(self._systematic(early, late) * way) + np.square(self.floors)
         touched = np.concatenate([[0], np.cumsum(self.is_touched)])
         is_free = touched[late + 1] == touched[early]
         off = np.sqrt(np.square(STEPS_OF) * doubt + off)
         return way / seconds, np.where(is_free[:, None], 0.0, off / seconds)
+
+    @property
+    def systematic(self) -> Floats:
+        """Shares of the whole way of turn, right, down and inward that are doubted, (4,)."""
+        return self._systematic(0, len(self) - 1)
+
+    def _systematic(self, first: Any, last: Any) -> Floats:
+        """Return the same between places, (4,) or (n, 4)."""
+        steps = np.abs(self.twists[:, 0])
+        turned, doubted = np.cumsum(steps), np.cumsum(steps * self.turn_shares)
+        turned, doubted = turned[last] - turned[first], doubted[last] - doubted[first]
+        shares = np.broadcast_to(SYSTEMATIC_OF, (*np.shape(turned), 4)).copy()
+        shares[..., 0] = np.where(turned > 0, doubted / np.maximum(turned, 1e-9), UNSURE_SHARE)
+        return shares
 
     @property
     def floors(self) -> Floats:
@@ -261,14 +279,16 @@ class Track:
             twist=Twist(*map(float, twist)),
             creeps=None,
             is_let_go=event.is_let_go and end == event.end,
-            **self._size(event, twist, own, float(self.radius_px[b])),
+            **self._size(event, twist, own, float(self.radius_px[b]), self._systematic(a, b)[0]),
         )
 
     @staticmethod
-    def _size(event: Event, twist: Floats, own: Floats, radius_px: float) -> dict[str, Any]:
+    def _size(
+        event: Event, twist: Floats, own: Floats, radius_px: float, share: float
+    ) -> dict[str, Any]:
         if event.component is None:
             return {}
-        amount = amount_of(event.component, twist, own, radius_px)
+        amount = amount_of(event.component, twist, own, radius_px, share)
         noise = noise_of(event.component, own, radius_px)
         sure = min(event.probability, chance_of_moving(amount.mean, noise))
         return {"amount": amount, "probability": sure}

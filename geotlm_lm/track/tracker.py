@@ -26,6 +26,7 @@ from geotlm_lm.recordings.idle import (
     strength_of,
 )
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of
+from geotlm_lm.track.angles import KeyAngles, relief_of
 from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import COLUMNS, Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
@@ -60,9 +61,10 @@ _ROW = np.dtype(
         ("twists", np.float32, 4),
         ("covariances", np.float32, (4, 4)),
         ("radius_px", np.float32),
+        ("turn_shares", np.float32),
     ]
 )
-"""What is kept of a frame, 108 bytes, under the names of `Track`."""
+"""What is kept of a frame, 112 bytes, under the names of `Track`."""
 
 
 class Table:
@@ -70,17 +72,23 @@ class Table:
 
     def __init__(self) -> None:
         self._count, self._rows = 0, np.zeros(1024, _ROW)
-        self.way, self.doubt = np.zeros(4), np.zeros((4, 4))
-        """Sums of all twists and covariances so far."""
+        self.way, self.doubt, self.turned_deg = np.zeros(4), np.zeros((4, 4)), (0.0, 0.0)
+        """Sums of all twists and covariances so far; of turns there and back, and their doubt."""
 
-    def add(self, row: Row, twist: NDArray, covariance: NDArray, contact: float) -> int:
+    def add(
+        self, row: Row, twist: NDArray, covariance: NDArray, contact: float, turn_share: float
+    ) -> int:
         """Keep a frame and return its place."""
         if self._count == len(self._rows):
             self._rows = np.concatenate([self._rows, np.zeros_like(self._rows)])
         self._rows[self._count] = (
-            row.number, row.time_s, contact, row.strength_grey, twist, covariance, row.radius_px
+            row.number, row.time_s, contact, row.strength_grey, twist, covariance, row.radius_px,
+            turn_share,
         )  # fmt: skip
         self.way, self.doubt = self.way + twist, self.doubt + covariance
+        turned, doubted = self.turned_deg
+        step_deg = abs(float(twist[0]))
+        self.turned_deg = (turned + step_deg, doubted + step_deg * turn_share)
         self._count += 1
         return self._count - 1
 
@@ -122,6 +130,7 @@ class Tracker:
         self._table, self._finder, self._block = Table(), EventFinder(), Block()
         self._events: list[Event] = []
         self._keys: KeyFrames | None = None
+        self._angles = KeyAngles()
         self._gels: tuple[Floats, Floats] | None = None
         self._before: Frames | None = None
         self._clock, self._checker, self._known_scene = FrameClock(), SceneChecker(), scene
@@ -197,7 +206,7 @@ class Tracker:
             self._block.expose(exposure)
             if self._keys is not None:
                 self._gels = self._small_gels()
-        if not self._idle.is_exposed_alike(frame):
+        if not self._idle.is_exposed_alike:
             self._flashed += 1
             return []
         row = self._measured(frame)
@@ -206,7 +215,18 @@ class Tracker:
             self._shown[-1] = Shown(row, frame)
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
         events = self._settled() if ended else []
+        if ended:
+            self._angles = KeyAngles()
         self._block.add(row, frame)
+        if row.step is not None:
+            turn = self._angles.follow(
+                row.step,
+                taken_s,
+                row.strength_grey,
+                lambda: relief_of(frame, self._idle.background),
+            )
+            if turn is not None:
+                self._block.correct(turn)
         if not row.is_touched or self._block.is_long:
             events += self._settled()
             if row.is_touched:
@@ -276,12 +296,15 @@ class Tracker:
         believe = self._believe if block.rows[-1].is_touched else None
         twists, covariances, contact = block.settled(believe, self._idle.background)
         events = []
-        for row, twist, covariance in zip(block.rows, twists, covariances, strict=True):
+        shares = block.turn_shares
+        for row, twist, covariance, share in zip(
+            block.rows, twists, covariances, shares, strict=True
+        ):
             sure = row.contact * contact
-            place = self._table.add(row, twist, covariance, sure)
+            place = self._table.add(row, twist, covariance, sure, share)
             way, doubt = self._table.way, self._table.doubt
             moment = Moment(place, row.number, row.time_s, sure, row.is_touched, way, doubt,
-                            row.radius_px)  # fmt: skip
+                            row.radius_px, self._table.turned_deg)  # fmt: skip
             events += self._told(self._finder.push(moment))
         self._events += events
         return events

@@ -32,6 +32,7 @@ def moving_track(steps, events, *, contact=None, frame_size=(120, 160)):
         twists=np.asarray(steps, float),
         covariances=np.tile(np.eye(4) * 1e-4, (count, 1, 1)),
         radius_px=np.full(count, 50.0),
+        turn_shares=np.full(count, 0.16),
         events=tuple(events),
         frame_size=frame_size,
     )
