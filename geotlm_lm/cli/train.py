@@ -29,12 +29,18 @@ def train(
     device: Annotated[
         str | None, typer.Option(help="cpu or cuda; cuda where there is one if not given.")
     ] = None,
+    reader: Annotated[
+        Path | None,
+        path_option(help="Bundle whose reader of questions is taken; none trains one."),
+    ] = None,
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
 
     Several processes share every step when torchrun starts them; the first one tells how far it is.
 
     Example: geotlm-lm train --preset smoke --out runs/smoke
+
+    Example: geotlm-lm train --out runs/default --reader geotlm_lm/bundle
 
     Example: torchrun --nproc-per-node 2 -m geotlm_lm train --out runs/default
     """
@@ -48,6 +54,7 @@ def train(
 
     if is_first_of_launch():
         print(f"training preset {settings.name} into {out}", file=sys.stderr)
-    folder = train_bundle(settings.name, out, seed, workers, progress_on_stderr(""), device)
+    progress = progress_on_stderr("")
+    folder = train_bundle(settings.name, out, seed, workers, progress, device, reader)
     if is_first_of_launch():
         print(folder)

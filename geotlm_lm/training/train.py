@@ -19,7 +19,14 @@ from torch import Tensor
 
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.vit import ENCODE_BATCH, FrozenBackbone
-from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, reading_of, save_bundle
+from geotlm_lm.checkpoint import (
+    READER_DIR,
+    Bundle,
+    Calibration,
+    load_bundle,
+    reading_of,
+    save_bundle,
+)
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
@@ -81,8 +88,11 @@ def train(
     workers: int,
     progress: Progress = silent,
     device: str | None = None,
+    reader_of_bundle: Path | None = None,
 ) -> Path:
     """Train the bundle of `preset` and return its folder, `out`/bundle.
+
+    The reader of questions knows nothing of touch: it may be taken from a bundle's folder.
 
     Of several processes that torchrun started, all take the steps of backbone, language model and
     reader; the first one does what is left, writes and reports, and the others wait.
@@ -92,11 +102,14 @@ def train(
     same weights. The device is cpu or cuda, None for cuda where there is one.
 
     Raises:
+        IncompatibleBundle: If there is no such reader.
         UsageError: If the preset or device is unknown, a batch does not divide among the processes
             or the folder holds another run.
         MissingDependency: If there are too few GPUs.
     """
     settings = preset_named(preset)
+    # Before hours of simulation: a folder that holds none is refused.
+    reader = None if reader_of_bundle is None else Reader.load(reader_of_bundle / READER_DIR)
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     with joined(device) as ranks:
@@ -123,9 +136,10 @@ def train(
                 seen = _see(*pretrained, learned, validation, *given)
             readings = ranks.from_first(lambda: seen.readings())
             speaker = train_speaker(*readings, settings, seed, out, **shared)
-            reader = reader_of(settings, seed, out / "reader", workers=workers, **shared)
+            if reader is None:
+                reader = reader_of(settings, seed, out / "reader", workers=workers, **shared)
             if ranks.is_first:
-                about = _provenance(settings, seed, workers, ranks)
+                about = _provenance(settings, seed, workers, ranks, reader_of_bundle)
                 about |= {"dgr_validation_accuracy": seen.accuracies}
                 save_bundle(out / "bundle", seen.bundle(speaker, reader, about, seed))
                 names = ("test", "mixed", "validation", "unseen gels")
@@ -170,11 +184,14 @@ def _gel_scores(
     return scores
 
 
-def _provenance(settings: TrainingPreset, seed: int, workers: int, ranks: Ranks) -> dict[str, Any]:
+def _provenance(
+    settings: TrainingPreset, seed: int, workers: int, ranks: Ranks, reader: Path | None
+) -> dict[str, Any]:
     """Return how to get a bundle again, for the bundle itself."""
     launch = f"torchrun --nproc-per-node {ranks.count} -m geotlm_lm"
     program = "geotlm-lm" if ranks.count == 1 else launch
     command = f"{program} train --preset {settings.name} --seed {seed} --workers {workers}"
+    command += "" if reader is None else f" --reader {reader.name}"
     return {
         "command": f"{command} --out RUN_FOLDER",
         "preset": asdict(settings),

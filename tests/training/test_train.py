@@ -5,6 +5,7 @@ import re
 import shutil
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -153,6 +154,16 @@ def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, m
         json.loads((out / "bundle" / "scores.json").read_text()) for out in (finished, tmp_path)
     )
     assert first["numbers"] == second["numbers"]
+
+
+def test_a_reader_is_taken_from_a_bundle_as_it_is(finished, tmp_path, monkeypatch):
+    run = shutil.copytree(finished, tmp_path / "run")
+    bundle = (run / "bundle").rename(tmp_path / "other")
+    monkeypatch.delattr(train, "train_reader")
+    train.train("tiny", run, seed=3, workers=1, reader_of_bundle=bundle)
+    weights = Path("reader", "model.safetensors")
+    assert (run / "bundle" / weights).read_bytes() == (bundle / weights).read_bytes()
+    assert "--reader other" in load_bundle(run / "bundle").provenance["command"]
 
 
 def test_another_seed_in_the_same_folder_is_refused(finished):
