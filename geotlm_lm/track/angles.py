@@ -122,7 +122,13 @@ class KeyAngles:
         self._kept_s = self._strength_grey = 0.0  # when that was taken, and its imprint's strength
 
     def follow(
-        self, step: Step, time_s: float, strength_grey: float, relief: Callable[[], Floats]
+        self,
+        step: Step,
+        time_s: float,
+        strength_grey: float,
+        relief: Callable[[], Floats],
+        *,
+        is_due: bool = False,
     ) -> Turn | None:
         """Take in the next frame and return how the steps were mended, if they were.
 
@@ -131,6 +137,7 @@ class KeyAngles:
             time_s: When it was taken.
             strength_grey: Of the imprint.
             relief: Makes what is compared of the frame, as `relief_of` does, where it is needed.
+            is_due: Whether these steps are mended now or never: a turn is compared earlier then.
         """
         self._since_deg += float(step.twist[0])
         since_deg = abs(self._since_deg)
@@ -139,7 +146,8 @@ class KeyAngles:
             self._kept, self._strength_grey = [], strength_grey
             self._keep(relief(), 0.0, 0.0, time_s)
             return None
-        if since_deg < APART_DEG and time_s - self._kept_s < APART_S:
+        is_due |= since_deg >= APART_DEG or time_s - self._kept_s >= APART_S
+        if not is_due:
             return None
         picture = relief()
         if since_deg < TURNING_DEG and _alike(self._kept[-1].picture, picture) > ALIKE:

@@ -23,7 +23,7 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import PX_PER_MM
 from geotlm_lm.recordings.scene_checks import SceneReport
-from geotlm_lm.track.angles import UNSURE_SHARE
+from geotlm_lm.track.angles import MOST_SHARE, UNSURE_SHARE
 from geotlm_lm.track.events import (
     COLUMNS,
     MOVING,
@@ -202,7 +202,9 @@ class Track:
         path, own = self.path_from_start, np.diagonal(self.covariances, axis1=1, axis2=2)
         own = np.cumsum(own, axis=0)
         way, doubt = path[late] - path[early], own[late] - own[early]
-        off = np.square(self._systematic(early, late) * way) + np.square(self.floors)
+        # Frames that are kept agree on the whole of a turn, less on each tenth of a second.
+        shares = np.array([MOST_SHARE, *SYSTEMATIC_OF[1:]])
+        off = np.square(shares * way) + np.square(self.floors)
         touched = np.concatenate([[0], np.cumsum(self.is_touched)])
         is_free = touched[late + 1] == touched[early]
         off = np.sqrt(np.square(STEPS_OF) * doubt + off)

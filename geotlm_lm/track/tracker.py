@@ -224,6 +224,7 @@ class Tracker:
                 taken_s,
                 row.strength_grey,
                 lambda: relief_of(frame, self._idle.background),
+                is_due=self._block.is_long,
             )
             if turn is not None:
                 self._block.correct(turn)

@@ -13,8 +13,8 @@ from tests.cli.running import run
 def calls(monkeypatch):
     made = []
 
-    def train(preset, out, seed, workers, progress, device):
-        made.append((preset, out, seed, workers, device))
+    def train(preset, out, seed, workers, progress, device, reader):
+        made.append((preset, out, seed, workers, device, reader))
         return out / "bundle"
 
     module = ModuleType("geotlm_lm.training.train")
@@ -25,8 +25,9 @@ def calls(monkeypatch):
 
 def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
     options = ("--preset", "smoke", "--out", "runs/a", "--seed", 3, "--workers", 1)
+    options += ("--reader", "runs/b")
     assert run(capsys, "train", *options)[:2] == (0, "runs/a/bundle\n")
-    assert calls == [("smoke", Path("runs/a"), 3, 1, None)]
+    assert calls == [("smoke", Path("runs/a"), 3, 1, None, Path("runs/b"))]
 
 
 @pytest.mark.parametrize("preset", ["huge", ""])
