@@ -134,7 +134,9 @@ def test_a_deviation_is_that_of_the_amount_in_its_time():
     first, last = 18, 22  # a tenth of a second on both sides of frame 20, in whole frames
     steps = slice(first + 1, last + 1)
     way, own = track.twists[steps].sum(axis=0), track.covariances[steps].sum(axis=0)
-    wanted = amount_of(Component.TURN, way, own, 50.0, MOST_SHARE).deviation / ((last - first) / FPS)
+    wanted = amount_of(Component.TURN, way, own, 50.0, MOST_SHARE).deviation / (
+        (last - first) / FPS
+    )
     assert track.rates()[1][20, 0] == pytest.approx(wanted)
 
 
