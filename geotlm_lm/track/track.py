@@ -96,7 +96,9 @@ class Track:
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
         own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
-        systematic = self._systematic(0, np.arange(len(self))) * self.path_from_start
+        steps = np.abs(self.twists[:, 0])
+        shares = _systematic(np.cumsum(steps), np.cumsum(steps * self.turn_shares))
+        systematic = shares * self.path_from_start
         return np.sqrt(np.square(STEPS_OF) * own + np.square(systematic))
 
     @property
@@ -213,16 +215,11 @@ class Track:
     @property
     def systematic(self) -> Floats:
         """Shares of the whole way of turn, right, down and inward that are doubted, (4,)."""
-        return self._systematic(0, len(self) - 1)
+        return self._systematic_of(slice(None))
 
-    def _systematic(self, first: Any, last: Any) -> Floats:
-        """Return the same between places, (4,) or (n, 4)."""
-        steps = np.abs(self.twists[:, 0])
-        turned, doubted = np.cumsum(steps), np.cumsum(steps * self.turn_shares)
-        turned, doubted = turned[last] - turned[first], doubted[last] - doubted[first]
-        shares = np.broadcast_to(SYSTEMATIC_OF, (*np.shape(turned), 4)).copy()
-        shares[..., 0] = np.where(turned > 0, doubted / np.maximum(turned, 1e-9), UNSURE_SHARE)
-        return shares
+    def _systematic_of(self, steps: slice) -> Floats:
+        turned = np.abs(self.twists[steps, 0])
+        return _systematic(turned.sum(), (turned * self.turn_shares[steps]).sum())
 
     @property
     def floors(self) -> Floats:
@@ -281,7 +278,9 @@ class Track:
             twist=Twist(*map(float, twist)),
             creeps=None,
             is_let_go=event.is_let_go and end == event.end,
-            **self._size(event, twist, own, float(self.radius_px[b]), self._systematic(a, b)[0]),
+            **self._size(
+                event, twist, own, float(self.radius_px[b]), self._systematic_of(steps)[0]
+            ),
         )
 
     @staticmethod
@@ -294,6 +293,14 @@ class Track:
         noise = noise_of(event.component, own, radius_px)
         sure = min(event.probability, chance_of_moving(amount.mean, noise))
         return {"amount": amount, "probability": sure}
+
+
+def _systematic(turned_deg: Floats, doubted_deg: Floats) -> Floats:
+    """Return shares that are doubted, (..., 4), of turns there and back, (...), and their doubt."""
+    shares = np.broadcast_to(SYSTEMATIC_OF, (*np.shape(turned_deg), 4)).copy()
+    known = doubted_deg / np.maximum(turned_deg, 1e-9)
+    shares[..., 0] = np.where(turned_deg > 0, known, UNSURE_SHARE)
+    return shares
 
 
 def decided(track: Track, events: Iterable[Event], going_on: Mapping[Component, int]) -> Track:
