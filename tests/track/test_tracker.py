@@ -322,3 +322,9 @@ def test_such_a_stream_without_a_known_gel_tells_no_motion_that_is_none():
     for number, image in enumerate(still.frames):
         tracker.feed(image, number / FPS)
     assert tracker.finish().events == ()
+
+
+def test_before_the_first_frame_a_track_is_empty_and_doubts_nothing():
+    track = Tracker().so_far
+    assert len(track) == 0
+    assert track.path_deviations.shape == (0, 4)
