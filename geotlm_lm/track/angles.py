@@ -26,6 +26,7 @@ from geotlm_lm.alignment.dots import without_dots
 from geotlm_lm.alignment.search import correlations
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.geometry import camera_size
+from geotlm_lm.track.events import MOST_SHARE, SURE_SHARE
 from geotlm_lm.track.keyframes import Step
 
 Floats = NDArray[np.float32]
@@ -76,10 +77,6 @@ MATCHING = 0.6
 
 CLEARLY, CLEARLY_DEG = 2.0, 3.0
 """Deviations, and degrees, from which on a turn is believed that steps do not show at all."""
-
-SURE_SHARE, UNSURE_SHARE, MOST_SHARE = 0.05, 0.16, 0.3
-"""Share of a turn that is doubted where kept frames agree on it, where there are only steps, and
-where neither tells much."""
 
 
 class Turn(NamedTuple):

@@ -21,7 +21,8 @@ from geotlm_lm.model import GeoTLM, Perception
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import MotionNetwork, belief_of_one
-from geotlm_lm.track.angles import UNSURE_SHARE, Turn
+from geotlm_lm.track.angles import Turn
+from geotlm_lm.track.events import UNSURE_SHARE
 from geotlm_lm.track.exposure import Exposure
 from geotlm_lm.track.keyframes import Step
 

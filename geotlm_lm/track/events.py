@@ -16,10 +16,13 @@ from numpy.typing import NDArray
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
-from geotlm_lm.track.angles import UNSURE_SHARE
 from geotlm_lm.track.legs import SIGNIFICANT, Leg, Legs, Point
 
 Floats = NDArray[np.float64]
+
+SURE_SHARE, UNSURE_SHARE, MOST_SHARE = 0.05, 0.16, 0.3
+"""Share of a turn that is doubted where kept frames agree on it, where there are only steps, and
+where neither tells much."""
 
 SYSTEMATIC = (UNSURE_SHARE, 0.16, 0.25)
 """Share of a turn, a slide and a press that is doubted beside what is measured step by step: what

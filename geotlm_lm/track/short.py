@@ -12,9 +12,8 @@ from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.track.angles import UNSURE_SHARE
 from geotlm_lm.track.block import Row
-from geotlm_lm.track.events import COLUMNS, STEPS, STICK_S, Event, EventKind, Span
+from geotlm_lm.track.events import COLUMNS, STEPS, STICK_S, UNSURE_SHARE, Event, EventKind, Span
 from geotlm_lm.track.track import Track, decided
 
 Floats = NDArray[np.float64]

@@ -23,13 +23,14 @@ from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import PX_PER_MM
 from geotlm_lm.recordings.scene_checks import SceneReport
-from geotlm_lm.track.angles import MOST_SHARE, UNSURE_SHARE
 from geotlm_lm.track.events import (
     COLUMNS,
+    MOST_SHARE,
     MOVING,
     SIGNIFICANT,
     STEPS,
     SYSTEMATIC,
+    UNSURE_SHARE,
     Event,
     EventKind,
     Span,

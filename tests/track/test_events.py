@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from geotlm_lm.core.twist import Component
-from geotlm_lm.track.angles import MOST_SHARE
-from geotlm_lm.track.events import EventFinder, EventKind, Moment, amount_of
+from geotlm_lm.track.events import MOST_SHARE, EventFinder, EventKind, Moment, amount_of
 from geotlm_lm.track.legs import Legs, Point
 from tests.track.tracks import FPS, moving_track
 
