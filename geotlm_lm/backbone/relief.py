@@ -25,7 +25,7 @@ from torch import Tensor
 
 SHADE_X, SHADE_Y = 0.49, 1.64
 """Change of G, and of B - R, per unit slope towards right and down: GelSight Mini's lights, which
-stand about the pad at nearly right angles (`simulation.optics.LIGHTS`, measured on one unit)."""
+stand about the pad at nearly right angles (`simulation.scene.Lamps`, measured on one unit)."""
 
 SHADE_GREY = 0.33
 """Change of a grey picture of the same sensor per unit slope towards right and up, where the three

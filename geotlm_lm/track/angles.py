@@ -93,7 +93,7 @@ class _Kept:
     deviation_deg: float
 
 
-def relief_of(frame: Frames, idle: Frames) -> Floats:
+def detail_of(frame: Frames, idle: Frames) -> Floats:
     """Return what is compared of a frame, float32, `COLUMNS` wide, pixels square on the gel."""
     rows, columns = camera_size(*frame.shape[:2])
     size = (2 * COLUMNS, max(round(2 * COLUMNS * rows / columns), 16))
@@ -123,7 +123,7 @@ class KeyAngles:
         step: Step,
         time_s: float,
         strength_grey: float,
-        relief: Callable[[], Floats],
+        detail: Callable[[], Floats],
         *,
         is_due: bool = False,
     ) -> Turn | None:
@@ -133,7 +133,7 @@ class KeyAngles:
             step: From the frame before.
             time_s: When it was taken.
             strength_grey: Of the imprint.
-            relief: Makes what is compared of the frame, as `relief_of` does, where it is needed.
+            detail: Makes what is compared of the frame, as `detail_of` does, where it is needed.
             is_due: Whether these steps are mended now or never: a turn is compared earlier then.
         """
         self._since_deg += float(step.twist[0])
@@ -141,12 +141,12 @@ class KeyAngles:
         is_grown = strength_grey > GROWN * self._strength_grey
         if not self._kept or len(self._kept) == 1 and is_grown and since_deg < STILL_DEG:
             self._kept, self._strength_grey = [], strength_grey
-            self._keep(relief(), 0.0, 0.0, time_s)
+            self._keep(detail(), 0.0, 0.0, time_s)
             return None
         is_due |= since_deg >= APART_DEG or time_s - self._kept_s >= APART_S
         if not is_due:
             return None
-        picture = relief()
+        picture = detail()
         if since_deg < TURNING_DEG and _alike(self._kept[-1].picture, picture) > ALIKE:
             self._kept_s = time_s
             return None

@@ -95,6 +95,15 @@ def floor_of(component: Component, radius_px: float) -> float:
     return FLOOR_PX if component is Component.SLIDE else FLOOR_MM
 
 
+def doubted_share(turned_deg: Floats, doubted_deg: Floats) -> Floats:
+    """Return the share of turns that is doubted, given what was turned there and back, and of it.
+
+    All are of one shape; where nothing turned it is that of steps alone.
+    """
+    known = doubted_deg / np.maximum(turned_deg, 1e-9)
+    return np.where(turned_deg > 0, known, UNSURE_SHARE)
+
+
 def amount_of(
     component: Component,
     twist: Floats,
@@ -329,9 +338,8 @@ class EventFinder:
         way, own = end.way - begin.way, end.doubt - begin.doubt
         amount = Span(0.0, 0.0)
         if component is not None and begin is not end:
-            turned, doubted = np.subtract(end.turned_deg, begin.turned_deg).tolist()
-            share = doubted / turned if turned > 0 else UNSURE_SHARE
-            amount = amount_of(component, way, own, end.radius_px, share)
+            share = doubted_share(*np.subtract(end.turned_deg, begin.turned_deg))
+            amount = amount_of(component, way, own, end.radius_px, float(share))
         ends = (begin.number, end.number, begin.time_s, end.time_s)
         sure = max(begin.contact, end.contact)
         if component is not None:

@@ -30,12 +30,12 @@ from geotlm_lm.track.events import (
     SIGNIFICANT,
     STEPS,
     SYSTEMATIC,
-    UNSURE_SHARE,
     Event,
     EventKind,
     Span,
     amount_of,
     chance_of_moving,
+    doubted_share,
     floor_of,
     noise_of,
 )
@@ -98,7 +98,8 @@ class Track:
         """Deviations of the same, (n, 4)."""
         own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
         steps = np.abs(self.twists[:, 0])
-        shares = _systematic(np.cumsum(steps), np.cumsum(steps * self.turn_shares))
+        shares = np.tile(SYSTEMATIC_OF, (len(self), 1))
+        shares[:, 0] = doubted_share(np.cumsum(steps), np.cumsum(steps * self.turn_shares))
         systematic = shares * self.path_from_start
         return np.sqrt(np.square(STEPS_OF) * own + np.square(systematic))
 
@@ -161,7 +162,7 @@ class Track:
         A turn is clockwise positive, a press inward; a slide is the length of `net_twist`.
         """
         twist, own = self.twists.sum(axis=0), self.covariances.sum(axis=0)
-        share = self.systematic[0]
+        share = self._turn_share()
         return amount_of(component, twist, own, self.middle_radius_px, share)
 
     @property
@@ -216,11 +217,11 @@ class Track:
     @property
     def systematic(self) -> Floats:
         """Shares of the whole way of turn, right, down and inward that are doubted, (4,)."""
-        return self._systematic_of(slice(None))
+        return np.array([self._turn_share(), *SYSTEMATIC_OF[1:]])
 
-    def _systematic_of(self, steps: slice) -> Floats:
+    def _turn_share(self, steps: slice = slice(None)) -> float:
         turned = np.abs(self.twists[steps, 0])
-        return _systematic(turned.sum(), (turned * self.turn_shares[steps]).sum())
+        return float(doubted_share(turned.sum(), (turned * self.turn_shares[steps]).sum()))
 
     @property
     def floors(self) -> Floats:
@@ -279,9 +280,7 @@ class Track:
             twist=Twist(*map(float, twist)),
             creeps=None,
             is_let_go=event.is_let_go and end == event.end,
-            **self._size(
-                event, twist, own, float(self.radius_px[b]), self._systematic_of(steps)[0]
-            ),
+            **self._size(event, twist, own, float(self.radius_px[b]), self._turn_share(steps)),
         )
 
     @staticmethod
@@ -294,14 +293,6 @@ class Track:
         noise = noise_of(event.component, own, radius_px)
         sure = min(event.probability, chance_of_moving(amount.mean, noise))
         return {"amount": amount, "probability": sure}
-
-
-def _systematic(turned_deg: Floats, doubted_deg: Floats) -> Floats:
-    """Return shares that are doubted, (..., 4), of turns there and back, (...), and their doubt."""
-    shares = np.broadcast_to(SYSTEMATIC_OF, (*np.shape(turned_deg), 4)).copy()
-    known = doubted_deg / np.maximum(turned_deg, 1e-9)
-    shares[..., 0] = np.where(turned_deg > 0, known, UNSURE_SHARE)
-    return shares
 
 
 def decided(track: Track, events: Iterable[Event], going_on: Mapping[Component, int]) -> Track:

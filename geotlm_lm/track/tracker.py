@@ -26,7 +26,7 @@ from geotlm_lm.recordings.idle import (
     strength_of,
 )
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of
-from geotlm_lm.track.angles import KeyAngles, relief_of
+from geotlm_lm.track.angles import KeyAngles, detail_of
 from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import COLUMNS, Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
@@ -223,7 +223,7 @@ class Tracker:
                 row.step,
                 taken_s,
                 row.strength_grey,
-                lambda: relief_of(frame, self._idle.background),
+                lambda: detail_of(frame, self._idle.background),
                 is_due=self._block.is_long,
             )
             if turn is not None:

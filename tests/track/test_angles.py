@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.track.angles import KeyAngles, relief_of
+from geotlm_lm.track.angles import KeyAngles, detail_of
 from geotlm_lm.track.keyframes import Step
 
 SHAPE = (120, 160, 3)
@@ -39,7 +39,7 @@ def followed(frames, steps_deg, apart_s=0.04):
     angles, total = KeyAngles(), 0.0
     for k, (frame, step_deg) in enumerate(zip(frames, steps_deg, strict=True)):
         step = Step(np.array([step_deg, 0.0, 0.0]), np.eye(3) * 0.01, 0.95)
-        turn = angles.follow(step, k * apart_s, 20.0, lambda frame=frame: relief_of(frame, GEL))
+        turn = angles.follow(step, k * apart_s, 20.0, lambda frame=frame: detail_of(frame, GEL))
         total += step_deg + (0.0 if turn is None else turn.beyond_deg)
     return total
 
@@ -72,5 +72,5 @@ def test_what_is_held_under_noise_and_a_lamp_that_dims_does_not_turn():
 
 def test_what_is_compared_is_the_same_whichever_colours_its_light_comes_from():
     frame = lit(print_of(5))
-    first, second = relief_of(frame, GEL), relief_of(frame[..., ::-1].copy(), GEL)
+    first, second = detail_of(frame, GEL), detail_of(frame[..., ::-1].copy(), GEL)
     np.testing.assert_allclose(first, second, atol=1e-3)
