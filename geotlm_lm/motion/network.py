@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.motions import MEASURED
@@ -31,9 +32,11 @@ SLIDE_NOISE = (3.6, 10.0, 5.0, 9.0, 1.0)
 """Deviation of each candidate, in those of white noise: what codecs, lamps and warps add. So large
 that 95 of 100 held imprints stay below 1.96 of them."""
 
-LEAST_NOISE_PX = 0.01
+_NOISE = torch.tensor([TURN_NOISE, SLIDE_NOISE, SLIDE_NOISE]).T
 
-PRIOR_GATE = (3.0, 1.0, 0.5, 0.0, 0.0)
+LEAST_NOISE_PX = torch.tensor(0.01)
+
+PRIOR_GATE = torch.tensor([3.0, 1.0, 0.5, 0.0, 0.0])
 """Logits of the candidates before anything is learned, and far from what was seen."""
 
 GATE_REACH = 2.0
@@ -86,9 +89,11 @@ READABLE = 0.5
 BELIEF_NUMBERS = 18
 """Of a Belief in one vector, as the language model reads it."""
 
+_AXIS_COUNTS = torch.tensor([1.0, 2.0])
+"""Numbers of a turn and of a slide."""
+
 _OUTPUTS = {
-    "turn_gate": CANDIDATES,
-    "slide_gate": CANDIDATES,
+    "gates": 2 * CANDIDATES,
     "gains": 2,
     "carried": 2,
     "relative": 2,
@@ -100,12 +105,12 @@ _OUTPUTS = {
 
 
 _NAMES_OF = {
-    "gate": ("turn_gate", "slide_gate"),
-    "gains": ("gains",),
-    "carried": ("carried",),
-    "deviations": ("relative",),
+    "gate": "gates",
+    "gains": "gains",
+    "carried": "carried",
+    "deviations": "relative",
 }
-"""Outputs of each part that can be left out: at 0 they change nothing."""
+"""Output of each part that can be left out: at 0 it changes nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,12 +183,11 @@ class Beliefs:
         across = (across + (self.deviation[:, 2] * right / length).square()).sqrt()
         spread = torch.atan2(across, length).clamp(min=0.02)
         angle = torch.atan2(down, right)
-        middles = torch.arange(4, device=angle.device) * (math.pi / 2)
-        off = torch.remainder(angle[:, None] - middles + math.pi, 2 * math.pi) - math.pi
-        edge = math.pi / 4
-        mass = _normal(edge - off, spread) - _normal(-edge - off, spread)
-        for whole in (-2 * math.pi, 2 * math.pi):
-            mass = mass + _normal(edge - off + whole, spread) - _normal(-edge - off + whole, spread)
+        off = torch.remainder(angle[:, None] - _QUARTERS.to(angle.device) + math.pi, 2 * math.pi)
+        # An edge of a quarter may be met the other way round the circle as well.
+        beyond = _EDGES.to(angle.device) - (off - math.pi)[:, None, None]
+        below, above = torch.erf(beyond / (spread * math.sqrt(2))[:, None, None, None]).unbind(1)
+        mass = (above - below).sum(dim=1) / 2
         mass = mass.clamp(min=1e-6)
         return mass / mass.sum(dim=1, keepdim=True)
 
@@ -205,45 +209,60 @@ class Beliefs:
         )
 
 
-def _normal(value: Tensor, spread: Tensor) -> Tensor:
-    return 0.5 * (1 + torch.erf(value / (spread[:, None] * math.sqrt(2))))
+_QUARTERS = torch.arange(4) * (math.pi / 2)
+"""Angles of right, down, left and up."""
+
+_EDGES = torch.tensor([[-0.25], [0.25]]) * math.pi + torch.tensor([-2.0, 0.0, 2.0]) * math.pi
+_EDGES = _EDGES[..., None]
+"""Both edges of a quarter about its middle, each time round the circle, (2, 3, 1)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mixed:
     """A robust mean of candidates."""
 
-    value: Tensor  # (b, d)
-    spread: Tensor  # deviation of those that agree about it, (b,)
-    noise: Tensor  # deviation of it by noise, (b, d)
-    shares: Tensor  # how far each candidate is trusted, (b, k)
-    alike: Tensor  # how well each agrees with the one that is best supported, 0 to 1, (b, k)
-    weights: Tensor  # of each in the mean, (b, k)
+    value: Tensor  # (..., d)
+    spread: Tensor  # deviation of those that agree about it, (...)
+    noise: Tensor  # deviation of it by noise, (..., d)
+    shares: Tensor  # how far each candidate is trusted, (..., k)
+    alike: Tensor  # how well each agrees with the one that is best supported, 0 to 1, (..., k)
+    weights: Tensor  # of each in the mean, (..., k)
 
 
-def mixed(values: Tensor, noise: Tensor, gate: Tensor) -> Mixed:
-    """Return the robust mean of candidates (b, k, d) with deviations (b, k, d) and logits (b, k).
+class Candidates:
+    """Candidates (..., k, d) with deviations likewise, of which robust means are made.
 
-    Of a mixture of bells the mode with the most mass is kept: the product of those that agree.
+    Of a mixture of bells the mode with the most mass is kept: the product of those that agree. Of d
+    numbers some may be 0 throughout, in values and deviations; `axes` (...) counts those that are
+    not, where that is not all of them.
     """
-    shares = gate.softmax(dim=1)
-    sizes, variance = values.norm(dim=2), noise.square().mean(dim=2)
-    smaller = torch.minimum(sizes[:, :, None], sizes[:, None])
-    allowed = variance[:, :, None] + variance[:, None] + (AGREEING * smaller).square()
-    apart = (values[:, :, None] - values[:, None]).square().sum(dim=3)
-    agree = 1 / (1 + apart / allowed)
-    mode = (agree * shares[:, None]).sum(dim=2).mul(shares.sqrt()).argmax(dim=1)
-    rows = torch.arange(len(values), device=values.device)
-    alike = agree[rows, mode]
-    precision = 1 / (variance + (SHARE_OF_PATH * sizes[rows, mode, None]).square())
-    weights = shares * alike * precision
-    weights = weights / weights.sum(dim=1, keepdim=True)
-    value = (weights[..., None] * values).sum(dim=1)
-    off = (values - value[:, None]).square().mean(dim=2)
-    # What they share is no independent noise: the mean is no surer than those it is made of.
-    own = (weights[..., None] * noise).sum(dim=1)
-    spread = ((weights * off).sum(dim=1) + 1e-8).sqrt()
-    return Mixed(value, spread, own, shares, alike, weights)
+
+    def __init__(self, values: Tensor, noise: Tensor, axes: Tensor | None = None) -> None:
+        self._values, self._noise = values, noise
+        self._axes = values.new_full((), values.shape[-1]) if axes is None else axes
+        self._sizes = values.norm(dim=-1)
+        self._variance = noise.square().sum(dim=-1) / self._axes[..., None]
+        smaller = torch.minimum(self._sizes[..., None], self._sizes[..., None, :])
+        allowed = self._variance[..., None] + self._variance[..., None, :]
+        allowed = allowed + (AGREEING * smaller).square()
+        apart = (values[..., None, :] - values[..., None, :, :]).square().sum(dim=-1)
+        self._agree = 1 / (1 + apart / allowed)
+
+    def mixed(self, gate: Tensor) -> Mixed:
+        """Return their robust mean by logits (..., k)."""
+        shares, values = gate.softmax(dim=-1), self._values
+        support = (self._agree * shares[..., None, :]).sum(dim=-1) * shares.sqrt()
+        mode = support.argmax(dim=-1, keepdim=True)
+        alike = self._agree.take_along_dim(mode[..., None], dim=-2).squeeze(-2)
+        path = SHARE_OF_PATH * self._sizes.take_along_dim(mode, dim=-1)
+        weights = shares * alike / (self._variance + path.square())
+        weights = weights / weights.sum(dim=-1, keepdim=True)
+        value = (weights[..., None] * values).sum(dim=-2)
+        off = (values - value[..., None, :]).square().sum(dim=-1)
+        # What they share is no independent noise: the mean is no surer than those it is made of.
+        own = (weights[..., None] * self._noise).sum(dim=-2)
+        spread = ((weights * off).sum(dim=-1) / self._axes + 1e-8).sqrt()
+        return Mixed(value, spread, own, shares, alike, weights)
 
 
 class MotionNetwork(nn.Module):
@@ -298,7 +317,10 @@ class MotionNetwork(nn.Module):
 
     def familiar(self, hints: Tensor) -> Tensor:
         """Return how near hints are to those of training, from 0 to 1, (b,)."""
-        return (2 - self._distance(self._standard(hints)) / self.reach).clamp(0, 1)
+        return self._nearness(self._standard(hints))
+
+    def _nearness(self, standard: Tensor) -> Tensor:
+        return (2 - self._distance(standard) / self.reach).clamp(0, 1)
 
     def _standard(self, hints: Tensor) -> Tensor:
         return ((hints - self.mean) / self.scale).clamp(-8, 8)
@@ -307,53 +329,54 @@ class MotionNetwork(nn.Module):
         return (standard @ self.axes.T).square().mean(dim=1).sqrt()
 
     def forward(self, measured: Measured) -> Beliefs:
-        """Return what is believed of b clips."""
-        outputs = self.out(self.layers(self._standard(measured.hints)))
-        familiar = self.familiar(measured.hints)[:, None]
+        """Return what is believed of b clips.
+
+        Turn and slide are worked out side by side, in parts (b, 2, 2): (0, turn), (right, down).
+        """
+        standard = self._standard(measured.hints)
+        outputs, familiar = self.out(self.layers(standard)), self._nearness(standard)[:, None]
         own = dict(zip(_OUTPUTS, outputs.split(list(_OUTPUTS.values()), dim=1), strict=True))
-        for name in _NAMES_OF.get(self.left_out, ()):
+        if self.left_out:
+            name = _NAMES_OF[self.left_out]
             own[name] = torch.zeros_like(own[name])
         white = measured.white.clamp(min=1e-4)
-        factors = torch.tensor([TURN_NOISE, SLIDE_NOISE, SLIDE_NOISE], device=white.device).T
-        noise = torch.hypot(factors * white, torch.tensor(LEAST_NOISE_PX))
-        prior = torch.tensor(PRIOR_GATE, device=white.device)
-        absent = torch.where(measured.is_measured, 0.0, -torch.inf)
-
-        def mix(columns: slice, gate: Tensor | float) -> Mixed:
-            return mixed(measured.paths[..., columns], noise[..., columns], prior + absent + gate)
-
-        parts = (slice(0, 1), slice(1, 3))
-        plain = [mix(columns, 0.0) for columns in parts]
+        device = white.device
+        noise = torch.hypot(_NOISE.to(device) * white, LEAST_NOISE_PX)
+        parts = (F.pad(each, (1, 0)).unflatten(2, (2, 2)) for each in (measured.paths, noise))
+        parts = (each.transpose(1, 2) for each in parts)
+        candidates = Candidates(*parts, _AXIS_COUNTS.to(device))
+        prior = torch.where(measured.is_measured, PRIOR_GATE.to(device), -torch.inf)
+        prior = prior[:, None]
+        plain = candidates.mixed(prior)
+        sizes = plain.value.norm(dim=2)
         # The simulator's clips seldom move by less than a pixel: what it teaches is used beyond.
-        sizes = torch.stack([each.value.norm(dim=1) for each in plain], dim=1)
         trust = familiar * (sizes.detach() / BARELY_PX).clamp(max=1)
         # What a pad holds back is learned where shading shows the object. Dots show the gel, and no
         # picture tells how far it lags behind: of 54 real slides on dots (half `tune`) 0.33 were
         # within tolerance of how far the dots went, 0.85 are by the plain mixture.
         trust = trust * measured.is_measured[:, RELIEF_CHAINED, None]
-        gates = (own["turn_gate"], own["slide_gate"])
-        turn, slide = (
-            mix(columns, GATE_REACH * trust[:, place, None] * torch.tanh(gates[place]))
-            for place, columns in enumerate(parts)
-        )
+        gates = GATE_REACH * torch.tanh(own["gates"]).unflatten(1, (2, CANDIDATES))
+        bent = candidates.mixed(prior + trust[..., None] * gates)
         bend = torch.tanh(own["gains"]) * trust
         gains = torch.where(bend > 0, LOG_GAIN[1] * bend, -LOG_GAIN[0] * bend).exp()
+        turned, slid = (gains[..., None] * bent.value).unbind(1)
         # Of 1,023 simulated turns of other objects the plain mixture knows the sense of 0.931, what
         # is learned of 0.926: which way is measured, how far is learned.
-        is_kept = turn.value * plain[0].value > 0
-        turned = torch.where(is_kept, gains[:, :1] * turn.value, plain[0].value)
-        carried = CARRIED * trust[:, :1] * torch.tanh(own["carried"]) * turned
-        path = torch.cat([turned, gains[:, 1:] * slide.value + carried], dim=1)
+        is_kept = (bent.value * plain.value)[:, 0, 1:] > 0
+        turned = torch.where(is_kept, turned, plain.value[:, 0])
+        carried = CARRIED * trust[:, :1] * torch.tanh(own["carried"]) * turned[:, 1:]
+        path = torch.stack([turned, slid + carried], dim=1)
         inward = PRESS_SCALE_MM * own["inward"].squeeze(1)
         off_mm = LEAST_MM + PRESS_SCALE_MM * own["inward_deviation"].clamp(-6, 2).exp()
-        stillness = self._noise(measured, *plain)
+        stillness = self._noise(measured, plain, sizes)
         relative = _between(own["relative"], RELATIVE, UNKNOWN_RELATIVE, trust)
-        clear = [_clear(*each, path) for each in zip(plain, (stillness[:, :1], stillness[:, 1:]),
-                                                     parts, strict=True)]  # fmt: skip
-        path = self._beyond_limits(path, stillness, torch.stack(clear, dim=1))
-        sizes = torch.stack([path[:, 0].abs(), path[:, 1:].norm(dim=1)], dim=1)
-        spread = torch.stack([turn.spread, slide.spread], dim=1)
-        amount = torch.hypot(relative * sizes, spread)[:, [0, 1, 1]]
+        # Paths in deviations of their noise along their way, 0 where the believed one goes back.
+        along = (plain.value * stillness).norm(dim=2) / sizes.clamp(min=1e-6)
+        is_along = (plain.value * path).sum(dim=2) > 0
+        clear = torch.where(is_along, sizes / along.clamp(min=1e-6), 0.0)
+        path = self._beyond_limits(path, stillness, clear)
+        amount = torch.hypot(relative * path.norm(dim=2), bent.spread)[..., None].expand_as(path)
+        path, stillness, amount = (each.flatten(1)[:, 1:] for each in (path, stillness, amount))
         wider = self.widening[(~measured.is_measured[:, RELIEF_CHAINED]).long()]
         wide = torch.hypot(stillness, wider[:, :3] * amount)
         return Beliefs(
@@ -361,50 +384,36 @@ class MotionNetwork(nn.Module):
             inward_mm=inward,
             noise=torch.cat([stillness, off_mm], dim=1),
             deviation=torch.cat([wide, off_mm * wider[:, 3:]], dim=1),
-            significance=torch.stack([*clear, inward.abs() / off_mm[:, 0]], dim=1),
-            sense=_sense(measured.paths[..., 0], turn, path[:, 0] / stillness[:, 0]),
+            significance=torch.cat([clear, inward.abs()[:, None] / off_mm], dim=1),
+            sense=_sense(measured.paths[..., 0], bent, path[:, 0] / stillness[:, 0]),
             contact=own["contact"].squeeze(1),
             readable=own["readable"],
             least=self.least,
-            turn_weights=turn.weights,
-            slide_weights=slide.weights,
+            turn_weights=bent.weights[:, 0],
+            slide_weights=bent.weights[:, 1],
             radius_px=measured.radius_px,
         )
 
     def _beyond_limits(self, path: Tensor, noise: Tensor, clear: Tensor) -> Tensor:
-        """Return paths (b, 3) that are at their limit, where it is learned that they cross it.
+        """Return paths, in parts, that are at their limit, where it is learned they cross it.
 
         Whether turn and slide are significant was decided by what was measured, `clear` (b, 2).
         """
-        sizes = torch.stack([path[:, 0].abs(), path[:, 1:].norm(dim=1)], dim=1).clamp(min=1e-6)
-        across = (path[:, 1:] * noise[:, 1:]).norm(dim=1) / sizes[:, 1]
-        limits = self.least[:2] * torch.stack([noise[:, 0], across], dim=1)
+        sizes = path.norm(dim=2).clamp(min=1e-6)
+        limits = self.least[:2] * (path * noise).norm(dim=2) / sizes
         is_seen = clear >= self.least[:2]
         kept = torch.where(is_seen, torch.maximum(sizes, limits), torch.minimum(sizes, limits))
-        return path * (kept / sizes)[:, [0, 1, 1]]
+        return path * (kept / sizes)[..., None]
 
-    def _noise(self, measured: Measured, turn: Mixed, slide: Mixed) -> Tensor:
-        """Return the deviation of turn, right and down where neither turns or slides, (b, 3)."""
-        white = torch.cat([turn.noise, slide.noise], dim=1)
-        spread = torch.stack([turn.spread, slide.spread], dim=1)
-        sizes = torch.stack([turn.value.norm(dim=1), slide.value.norm(dim=1)], dim=1)
+    def _noise(self, measured: Measured, plain: Mixed, sizes: Tensor) -> Tensor:
+        """Return the deviation of turn, right and down where neither turns or slides, in parts."""
         # What the other component, and a growing contact, make of a picture is no motion.
         other = (LEAKING * sizes.flip(1)).square()
-        turn_rad = turn.value / measured.radius_px[:, None]
-        other = other + torch.cat([torch.zeros_like(turn_rad), MIDDLE_PX * turn_rad], 1).square()
+        turn_rad = plain.value[:, 0, 1:] / measured.radius_px[:, None]
+        other = other + F.pad(MIDDLE_PX * turn_rad, (1, 0)).square()
         grown = (GROWING_PX * measured.growth[:, None]).square()
-        return (white.square() + (spread.square() + other + grown)[:, [0, 1, 1]]).sqrt()
-
-
-def _clear(plain: Mixed, noise: Tensor, columns: slice, path: Tensor) -> Tensor:
-    """Return a measured path in deviations of its noise, 0 where the believed one goes back, (b,).
-
-    The noise is that along its way.
-    """
-    size = plain.value.norm(dim=1)
-    along = (plain.value.abs() * noise).norm(dim=1) / size.clamp(min=1e-6)
-    is_kept = (plain.value * path[:, columns]).sum(dim=1) > 0
-    return torch.where(is_kept, size / along.clamp(min=1e-6), 0.0)
+        seen = plain.spread.square() + other + grown
+        return (plain.noise.square() + seen[..., None]).sqrt()
 
 
 def _between(raw: Tensor, bounds: tuple[float, float], unknown: float, trust: Tensor) -> Tensor:
@@ -414,10 +423,11 @@ def _between(raw: Tensor, bounds: tuple[float, float], unknown: float, trust: Te
     return low + (high - low) * torch.sigmoid(start + trust * raw)
 
 
-def _sense(paths: Tensor, turn: Mixed, beyond: Tensor) -> Tensor:
+def _sense(paths: Tensor, mixed: Mixed, beyond: Tensor) -> Tensor:
     """Return the probability that a turn is clockwise: of what agrees, and of what does not."""
     agreeing = 0.5 * (1 + torch.erf(beyond / 2**0.5))
-    kept, lost = turn.shares * turn.alike, turn.shares * (1 - turn.alike)
+    kept = mixed.shares[:, 0] * mixed.alike[:, 0]
+    lost = mixed.shares[:, 0] - kept
     sense = kept.sum(dim=1) * agreeing + (lost * (paths > 0)).sum(dim=1)
     return sense.clamp(1e-4, 1 - 1e-4)
 

@@ -9,7 +9,7 @@ import torch
 
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.motion.measured import CANDIDATES, SHEAR_NOISE_PX, Measured
-from geotlm_lm.motion.network import LOG_GAIN, MotionNetwork, belief_of_one, mixed
+from geotlm_lm.motion.network import LOG_GAIN, Candidates, MotionNetwork, belief_of_one
 
 HINTS = 40
 
@@ -136,9 +136,11 @@ def test_a_mixture_turns_and_mirrors_with_its_candidates():
     noise, gate = torch.full((50, CANDIDATES, 2), 0.1), torch.zeros(50, CANDIDATES)
     quarter = torch.tensor([[0.0, -1.0], [1.0, 0.0]])
     slides = own.paths[..., 1:]
-    plain, turned = mixed(slides, noise, gate), mixed(slides @ quarter.T, noise, gate)
-    torch.testing.assert_close(turned.value, plain.value @ quarter.T)
-    torch.testing.assert_close(mixed(-slides, noise, gate).value, -plain.value)
+    plain, turned, mirrored = (
+        Candidates(ways, noise).mixed(gate).value for ways in (slides, slides @ quarter.T, -slides)
+    )
+    torch.testing.assert_close(turned, plain @ quarter.T)
+    torch.testing.assert_close(mirrored, -plain)
 
 
 def heading(untrained, *ways, deviation=1.0):
