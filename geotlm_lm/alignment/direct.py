@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -35,8 +36,7 @@ EVEN_PX, EVEN_FLOOR_GREY = 6.0, 2.0
 """Neighbourhood over which contrast is made even, and contrast of noise, which stays faint."""
 
 
-@dataclass(frozen=True)
-class Rigid:
+class Rigid(NamedTuple):
     """A turn about a picture's middle, then a shift, pixels being square."""
 
     turn_rad: float = 0.0  # positive clockwise as drawn

@@ -86,15 +86,17 @@ def correlations(
     x, y = (columns - 1) / 2, (rows - 1) / 2
     turned = np.zeros((len(turns_rad), *padded), np.float32)
     for image, turn in zip(turned, turns_rad.tolist(), strict=True):
-        cos, sin = np.cos(turn), np.sin(turn)
+        cos, sin = math.cos(turn), math.sin(turn)
         back = np.array([[cos, sin, x - cos * x - sin * y], [-sin, cos, y + sin * x - cos * y]])
         flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-        image[:rows, :columns] = cv2.warpAffine(before, back, (columns, rows), flags=flags)
+        part = image[:rows, :columns]
+        cv2.warpAffine(before, back, (columns, rows), dst=part, flags=flags)
     target = np.zeros(padded, np.float32)
     target[:rows, :columns] = after
-    norm = np.sqrt(np.square(turned).sum(axis=(1, 2)) * np.square(target).sum()) + 1e-6
-    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical()
-    spectra *= torch.fft.rfft2(torch.from_numpy(target)) / torch.from_numpy(norm)[:, None, None]
+    norm = np.sqrt(np.einsum("nij,nij->n", turned, turned) * np.square(target).sum()) + 1e-6
+    turned /= norm[:, None, None]
+    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical_()
+    spectra *= torch.fft.rfft2(torch.from_numpy(target))
     return torch.fft.irfft2(spectra, s=padded).numpy()
 
 

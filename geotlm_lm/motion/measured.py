@@ -93,11 +93,14 @@ def measured(
     # The view magnifies: its pixels are those of the image but for that.
     shear = torch.cat([(shear_turn * radius)[:, None], shear_way * (side / IMAGE_SIDE)[:, None]], 1)
     paths = torch.cat([stem, SHEAR_SHARE * shear[:, None]], dim=1)
+    # Mean residual of each time-bin, as a log, and how much that grows from early to late.
+    contrast = inputs[..., :RESIDUAL_DIM].abs().mean(dim=(2, 3, 4)).add(0.02).log()
+    growth = contrast[:, 1] - contrast[:, 0]
     hints = torch.cat(
         [
             *(torch.asinh(4 * paths).flatten(1), torch.log(paths.abs() + 0.1).flatten(1)),
             _sureness(motions, radius),
-            _whole(inputs, geometry, side, radius),
+            _whole(inputs, contrast, geometry, side, radius),
             fused_token.float(),
         ],
         dim=1,
@@ -106,7 +109,7 @@ def measured(
     white[:, :-1] = _white(motions, radius, middle)
     is_measured = torch.ones(paths.shape[:2], dtype=torch.bool)
     is_measured[:, :-1] = motions[..., 6] > 0
-    return Measured(paths, white, is_measured, _growth(inputs), radius, hints)
+    return Measured(paths, white, is_measured, growth, radius, hints)
 
 
 def _contact(mask: Tensor, side: Tensor) -> tuple[Tensor, Tensor]:
@@ -146,35 +149,25 @@ def _white(motions: Tensor, radius: Tensor, middle: Tensor) -> Tensor:
     return torch.cat([(turn * radius[:, None])[..., None], way], dim=-1)
 
 
-def _growth(inputs: Tensor) -> Tensor:
-    """Return by how much the contrast of the residual grows from early to late, as a log, (b,)."""
-    early, late = _contrast(inputs).add(0.02).log().unbind(dim=1)
-    return late - early
-
-
-def _contrast(inputs: Tensor) -> Tensor:
-    """Return the mean residual of each time-bin, (b, 2)."""
-    return inputs[..., :RESIDUAL_DIM].abs().mean(dim=(2, 3, 4))
-
-
 def _sureness(motions: Tensor, radius: Tensor) -> Tensor:
     deviations, alike = motions[..., 3:6], motions[..., 6]
     at_radius = torch.cat([deviations[..., :1] * radius[:, None, None], deviations[..., 1:]], -1)
     return torch.cat([(at_radius + 1e-3).log().flatten(1), alike], dim=1)
 
 
-def _whole(inputs: Tensor, geometry: Geometry, side: Tensor, radius: Tensor) -> Tensor:
+def _whole(
+    inputs: Tensor, contrast: Tensor, geometry: Geometry, side: Tensor, radius: Tensor
+) -> Tensor:
     """Return what the whole view tells of contact, pressing and sureness, (b, n)."""
     bins = inputs.mean(dim=(2, 3))
-    contrast = _contrast(inputs)
     mask = _on_grid_of(inputs, geometry.mask.float())[:, None, :, :, None]
     touched = (inputs[..., RELIEF_AT : RELIEF_AT + 1] * mask).mean(dim=(2, 3, 4))
     mass = geometry.region_mass[:, REGIONS.index("global")].float()[:, None]
     spread = _divergence(inputs, geometry)
     return torch.cat(
         [
-            contrast.add(0.02).log(),
-            _growth(inputs)[:, None],
+            contrast,
+            contrast[:, 1:] - contrast[:, :1],
             touched,
             touched[:, 1:] - touched[:, :1],
             bins[:, :, -MOTION_NUMBERS:].flatten(1),

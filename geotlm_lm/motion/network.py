@@ -146,15 +146,15 @@ class Beliefs:
     @property
     def lengths(self) -> Tensor:
         """Turn and slide in pixels, and press in mm, not negative, (b, 3)."""
-        slide = self.path[:, 1:].norm(dim=1)
-        return torch.stack([self.path[:, 0].abs(), slide, self.inward_mm.abs()], dim=1)
+        slide = self.path[:, 1:].norm(dim=1, keepdim=True)
+        return torch.cat([self.path[:, :1].abs(), slide, self.inward_mm.abs()[:, None]], dim=1)
 
     def along(self, deviation: Tensor) -> Tensor:
         """Return deviations (b, 4) of turn, slide along its way, and press, (b, 3)."""
         # At rest any way does: the diagonal.
-        way = (self.path[:, 1:].abs() + 1e-6) / (self.lengths[:, 1:2] + 1e-6 * 2**0.5)
-        slide = (way * deviation[:, 1:3]).norm(dim=1)
-        return torch.stack([deviation[:, 0], slide, deviation[:, 3]], dim=1)
+        way = self.path[:, 1:].abs() + 1e-6
+        slide = (way * deviation[:, 1:3]).norm(dim=1, keepdim=True) / way.norm(dim=1, keepdim=True)
+        return torch.cat([deviation[:, :1], slide, deviation[:, 3:]], dim=1)
 
     @property
     def limits(self) -> Tensor:
@@ -165,7 +165,7 @@ class Beliefs:
     def stated(self) -> Tensor:
         """The deviations of what is significant kept so small that no span reaches zero, (b, 4)."""
         most = torch.where(self.significance >= self.least, MOST_OF_PATH * self.lengths, torch.inf)
-        return torch.minimum(self.deviation, most[:, [0, 1, 1, 2]])
+        return torch.minimum(self.deviation, most.index_select(1, _PART_OF.to(most.device)))
 
     @property
     def moves(self) -> Tensor:
@@ -208,6 +208,9 @@ class Beliefs:
             dim=1,
         )
 
+
+_PART_OF = torch.tensor([0, 1, 1, 2])
+"""Turn, slide or press that turn, right, down and inward are of."""
 
 _QUARTERS = torch.arange(4) * (math.pi / 2)
 """Angles of right, down, left and up."""
@@ -446,11 +449,14 @@ def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Be
         significance=own.significance / doubt,
     )
     own = replace(own, deviation=own.stated)
-    turn, slide, press = own.moves[0].sigmoid().double().tolist()
-    clockwise = float(torch.sigmoid(torch.logit(own.sense) / doubt))
-    beyond = own.inward_mm / own.deviation[:, 3]
-    inward = float(0.5 * (1 + torch.erf(beyond / (2**0.5 * doubt))))
-    right, down, left, up = own.quarters()[0].double().tolist()
+    turn, slide, press = map(_sigmoid, own.moves[0].tolist())
+    right, down, left, up = own.quarters()[0].tolist()
+    sense, contact, inward_mm, radius = (
+        each.item() for each in (own.sense, own.contact, own.inward_mm, own.radius_px)
+    )
+    path, deviation = (each[0].double().numpy() for each in (own.path, own.deviation))
+    clockwise = _sigmoid(math.log(sense / (1 - sense)) / doubt)
+    inward = 0.5 * (1 + math.erf(inward_mm / deviation[3] / (2**0.5 * doubt)))
     ways = {
         Motion.CLOCKWISE: turn * clockwise,
         Motion.COUNTERCLOCKWISE: turn * (1 - clockwise),
@@ -461,17 +467,19 @@ def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Be
         Motion.PRESS: press * inward,
         Motion.RELEASE: press * (1 - inward),
     }
-    radius = float(own.radius_px)
     to_degrees = math.degrees(1 / radius)
-    path, deviation = (each[0].double().numpy() for each in (own.path, own.deviation))
-    readable = own.readable[0].sigmoid() >= READABLE
+    readable = [_sigmoid(logit) >= READABLE for logit in own.readable[0].tolist()]
     return Belief(
-        mean=Twist(path[0] * to_degrees, path[1], path[2], float(own.inward_mm)),
+        mean=Twist(path[0] * to_degrees, path[1], path[2], inward_mm),
         covariance=np.diag((deviation * (to_degrees, 1.0, 1.0, 1.0)) ** 2),
         ways=ways,
-        contact=float((own.contact / doubt).sigmoid()),
+        contact=_sigmoid(contact / doubt),
         radius_px=radius,
-        readable=dict(zip(Component, readable.tolist(), strict=True)),
+        readable=dict(zip(Component, readable, strict=True)),
         numbers=numbers,
         limits=dict(zip(COMPONENTS, own.limits[0].tolist(), strict=True)),
     )
+
+
+def _sigmoid(logit: float) -> float:
+    return 0.5 * (1 + math.tanh(logit / 2))

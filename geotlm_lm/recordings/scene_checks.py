@@ -147,7 +147,7 @@ class SceneChecker:
         self._jumps: list[Jump] = []
         self._first: _Look | None = None
         self._lost: list[tuple[bool, int]] = []  # each with the frames that the look stands for
-        self._waiting: list[tuple[Frames, int]] = []  # pictures that nothing is told from yet
+        self._waiting: list[tuple[Frames, int]] = []  # frames that nothing is told from yet
         self._twice: list[Floats] = []
 
     @property
@@ -204,16 +204,17 @@ class SceneChecker:
         if self._first is not None and not self._first.tells:
             self._lost.append((False, apart))
             return
-        small = _scene_size(frame)
         if self._first is None:
-            self._first = _Look(small)
+            self._first = _Look(_scene_size(frame))
             return
-        self._waiting.append((small, apart))
+        self._waiting.append((frame, apart))
         if len(self._lost) + len(self._waiting) >= FEWEST_LOOKS:
-            self._lost += [(self._first.is_lost(seen), stands) for seen, stands in self._waiting]
+            self._lost += [
+                (self._first.is_lost(_scene_size(seen)), stands) for seen, stands in self._waiting
+            ]
             self._waiting.clear()
         if self._first.alike.max() > TWICE:
-            change = _band(_unmarked(small), 0.8, 4.0) - self._first.plain
+            change = _band(_unmarked(_scene_size(frame)), 0.8, 4.0) - self._first.plain
             if np.square(change).mean() > LEAST_TWICE_GREY**2:
                 self._twice.append(_halves_alike(change))
 

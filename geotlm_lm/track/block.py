@@ -120,14 +120,19 @@ class Block:
         """Sum of its steps, (4,)."""
         return self._twists().sum(axis=0)
 
-    def settled(self, believe: Believe | None, idle: Frames) -> tuple[Floats, Floats, float]:
-        """Return twists (n, 4), covariances (n, 4, 4), and how surely there is contact."""
+    def settled(
+        self, believe: Believe | None, idle_of: Callable[[], Frames]
+    ) -> tuple[Floats, Floats, float]:
+        """Return twists (n, 4), covariances (n, 4, 4), and how surely there is contact.
+
+        The untouched gel is asked for where the model is.
+        """
         twists, covariances = self._twists(), self._covariances()
         if believe is None or self._is_quiet():
             return twists, covariances, 1.0
         places = np.linspace(0, len(self.frames) - 1, FRAME_COUNT).round().astype(int)
         four = np.stack([self.frames[k][1] for k in places])
-        belief = believe(Clip(four, background=idle, name="track"))
+        belief = believe(Clip(four, background=idle_of(), name="track"))
         # The believed press is spread over the steps as the imprint's strength changes.
         strengths = self._strengths()
         lengths = np.abs(np.diff(strengths, prepend=strengths[0]))

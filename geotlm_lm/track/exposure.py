@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from geotlm_lm.alignment.dots import activity_grey, is_marked
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.numbers import median
 from geotlm_lm.recordings.idle import (
     FAINT_IMPRINT,
     activity_colours,
@@ -105,8 +106,8 @@ def small_colours(frame: Frames) -> Floats:
 
 def shift_grey(before: Floats, after: Floats) -> float:
     """Return by how much the middle grey level of the colour that changes most has changed."""
-    shift = np.median((after - before)[::2, ::2].reshape(-1, 3), axis=0)
-    return float(np.abs(shift).max())
+    change = (after - before)[::2, ::2].reshape(-1, 3)
+    return float(np.abs(median(change.T)).max())
 
 
 def exposure_step(before: Floats, after: Floats) -> Exposure | None:
@@ -186,7 +187,7 @@ class IdleTracker:
             # Frames before and after do not agree with each other any more.
             self._recent.clear()
         few = (slice(None, None, SAMPLED), slice(None, None, SAMPLED))
-        shift_of_frame = float(np.median(frame[few] - self._idle[few]))
+        shift_of_frame = float(median((frame[few] - self._idle[few]).ravel()))
         self.is_exposed_alike = abs(shift_of_frame) <= MOST_OFFSET_GREY
         if self.is_exposed_alike and self._is_new_reference(colours, step):
             self._colours, self._reference_age = colours, 0
@@ -276,13 +277,13 @@ class IdleTracker:
         """Tell whether the last `count` frames show the same."""
         if len(self._recent) < count:
             return False
-        small = np.stack([image for _, image in list(self._recent)[-count:]])
+        recent = [image for _, image in self._recent][-count:]
         most = max(FAINT_IMPRINT, AGREEING * min(self._noise or 0.0, MOST_NOISE))
         # What is as near to one middle is no farther from each other than twice that.
-        if self._imprint(small[0], small[-1]) >= 2 * most:
+        if self._imprint(recent[0], recent[-1]) >= 2 * most:
             return False
-        middle = np.partition(small, count // 2, axis=0)[count // 2]
-        return all(self._imprint(image, middle) < most for image in small)
+        middle = np.partition(recent, count // 2, axis=0)[count // 2]
+        return all(self._imprint(image, middle) < most for image in recent)
 
     def _was_lifted(self) -> bool:
         """Tell whether what was taken for idle had an object on it, which is gone now."""

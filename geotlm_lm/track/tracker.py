@@ -132,6 +132,7 @@ class Tracker:
         self._keys: KeyFrames | None = None
         self._angles = KeyAngles()
         self._gels: tuple[Floats, Floats] | None = None
+        self._bare: Frames | None = None  # as of `without_dots`
         self._before: Frames | None = None
         self._clock, self._checker, self._known_scene = FrameClock(), SceneChecker(), scene
         self._time_s, self._number = 0.0, -1
@@ -223,7 +224,7 @@ class Tracker:
                 row.step,
                 taken_s,
                 row.strength_grey,
-                lambda: detail_of(frame, self._idle.background),
+                lambda: detail_of(frame, self._bare),
                 is_due=self._block.is_long,
             )
             if turn is not None:
@@ -281,9 +282,8 @@ class Tracker:
     def _small_gels(self) -> tuple[Floats, Floats]:
         """Return what is taken off frames to see where they are touched, and how that moves."""
         idle = self._idle.background
-        bare = without_dots(idle)
-        seen = small_green(idle)
-        return seen, seen if bare is idle else small_green(bare)
+        self._bare, seen = without_dots(idle), small_green(idle)
+        return seen, seen if self._bare is idle else small_green(self._bare)
 
     def _residuals(self, frame: Frames) -> Residuals:
         green, (seen, moving) = small_green(frame), self._gels
@@ -295,7 +295,7 @@ class Tracker:
         if not block.rows:
             return []
         believe = self._believe if block.rows[-1].is_touched else None
-        twists, covariances, contact = block.settled(believe, self._idle.background)
+        twists, covariances, contact = block.settled(believe, lambda: self._idle.background)
         events = []
         shares = block.turn_shares
         for row, twist, covariance, share in zip(
