@@ -59,12 +59,13 @@ class Rigid(NamedTuple):
             [[cos, -sin, right - cos * x + sin * y], [sin, cos, down - sin * x - cos * y]]
         )
 
-    def inverse(self) -> Rigid:
-        """Return the motion that takes this one back."""
-        cos, sin = math.cos(self.turn_rad), math.sin(self.turn_rad)
-        x = -(cos * self.right_px + sin * self.down_px)
-        y = sin * self.right_px - cos * self.down_px
-        return Rigid(-self.turn_rad, x, y)
+    def less(self, first: Rigid) -> Rigid:
+        """Return what follows `first` where both together are this motion."""
+        turn = self.turn_rad - first.turn_rad
+        cos, sin = math.cos(turn), math.sin(turn)
+        x = self.right_px - cos * first.right_px + sin * first.down_px
+        y = self.down_px - sin * first.right_px - cos * first.down_px
+        return Rigid(turn, x, y)
 
     def travel(self, x_px: float, y_px: float) -> tuple[float, float]:
         """Return how far what is now right of and below the middle has come, right and down."""
@@ -287,7 +288,7 @@ def _refined(
     solve, (still_grey, least) = level.solver, weights
     if still_grey is not None:
         solve = level.solver_of_change(later, still_grey, least)
-    start = None
+    start, lever_px = None, level.lever_px
     for _ in range(ITERATIONS):
         error = level.seen_in(later, motion) - level.values
         turn, right, down, gain, offset = (solve @ error).tolist()
@@ -298,7 +299,7 @@ def _refined(
         # they would jump to the next marker.
         steeper = max(1 + gain, 1.0)
         turn, right, down = turn / steeper, right / steeper, down / steeper
-        motion = motion.after(Rigid(turn / level.lever_px, right, down).inverse())
+        motion = motion.less(Rigid(turn / lever_px, right, down))
         if max(abs(turn), abs(right), abs(down)) < close_px:
             break
     left = error - offset - gain * level.values

@@ -187,7 +187,7 @@ class KeyFrames:
             how = {"still_grey": STILL_EVEN, "least_weight": weight, "levels": 1}
             on_even = align(self._even, picture.even(), on_key.motion, **how)
             pose, covariance = _fused(pose, covariance, on_even)
-        taken = pose.after(self._pose.inverse())
+        taken = pose.less(self._pose)
         result = Step(
             self._place.travel(taken),
             self._in_square(covariance - self._covariance),

@@ -34,7 +34,7 @@ def test_a_motion_after_another_moves_points_by_both(first, then, place):
 
 @given(RIGIDS)
 def test_the_inverse_takes_a_motion_back_from_either_side(motion):
-    for both in (motion.after(motion.inverse()), motion.inverse().after(motion)):
+    for both in (motion.less(motion), Rigid().less(motion).after(motion)):
         assert parts(both) == near((0.0, 0.0, 0.0), abs=1e-9)
 
 
@@ -51,7 +51,7 @@ def found(motion, *, before=None, change=lambda image: image, **how):
 
 def off(aligned, motion):
     """Error of turn, degrees, and of shift, pixels."""
-    error = aligned.motion.after(motion.inverse())
+    error = aligned.motion.less(motion)
     return abs(math.degrees(error.turn_rad)), math.hypot(error.right_px, error.down_px)
 
 
@@ -75,7 +75,7 @@ def test_laid_the_other_way_round_the_motion_is_the_inverse():
     first = texture()
     later = moved(first, turned(7.0, 3.0, -2.0))
     there, back = (align(*map(Picture.of, pair)) for pair in ((first, later), (later, first)))
-    turn_deg, shift_px = off(there, back.motion.inverse())
+    turn_deg, shift_px = off(there, Rigid().less(back.motion))
     assert (turn_deg < 0.1, shift_px < 0.1) == (True, True)
 
 
@@ -128,6 +128,6 @@ def test_a_flat_picture_has_not_moved():
 def test_an_imprint_that_deepens_or_fades_does_not_run_away(gain, motion):
     first = texture()
     later = (gain * moved(first, motion)).astype(np.float32)
-    error = align(Picture.of(first, 3), Picture.of(later, 3)).motion.after(motion.inverse())
+    error = align(Picture.of(first, 3), Picture.of(later, 3)).motion.less(motion)
     assert np.degrees(abs(error.turn_rad)) < 0.2
     assert np.hypot(error.right_px, error.down_px) < 0.15
