@@ -337,11 +337,7 @@ class MotionNetwork(nn.Module):
         Turn and slide are worked out side by side, in parts (b, 2, 2): (0, turn), (right, down).
         """
         standard = self._standard(measured.hints)
-        outputs, familiar = self.out(self.layers(standard)), self._nearness(standard)[:, None]
-        own = dict(zip(_OUTPUTS, outputs.split(list(_OUTPUTS.values()), dim=1), strict=True))
-        if self.left_out:
-            name = _NAMES_OF[self.left_out]
-            own[name] = torch.zeros_like(own[name])
+        own, familiar = self._learned(standard), self._nearness(standard)[:, None]
         white = measured.white.clamp(min=1e-4)
         device = white.device
         noise = torch.hypot(_NOISE.to(device) * white, LEAST_NOISE_PX)
@@ -373,10 +369,7 @@ class MotionNetwork(nn.Module):
         off_mm = LEAST_MM + PRESS_SCALE_MM * own["inward_deviation"].clamp(-6, 2).exp()
         stillness = self._noise(measured, plain, sizes)
         relative = _between(own["relative"], RELATIVE, UNKNOWN_RELATIVE, trust)
-        # Paths in deviations of their noise along their way, 0 where the believed one goes back.
-        along = (plain.value * stillness).norm(dim=2) / sizes.clamp(min=1e-6)
-        is_along = (plain.value * path).sum(dim=2) > 0
-        clear = torch.where(is_along, sizes / along.clamp(min=1e-6), 0.0)
+        clear = _clear(plain.value, stillness, path)
         path = self._beyond_limits(path, stillness, clear)
         amount = torch.hypot(relative * path.norm(dim=2), bent.spread)[..., None].expand_as(path)
         path, stillness, amount = (each.flatten(1)[:, 1:] for each in (path, stillness, amount))
@@ -396,6 +389,14 @@ class MotionNetwork(nn.Module):
             slide_weights=bent.weights[:, 1],
             radius_px=measured.radius_px,
         )
+
+    def _learned(self, standard: Tensor) -> dict[str, Tensor]:
+        outputs = self.out(self.layers(standard))
+        own = dict(zip(_OUTPUTS, outputs.split(list(_OUTPUTS.values()), dim=1), strict=True))
+        if self.left_out:
+            name = _NAMES_OF[self.left_out]
+            own[name] = torch.zeros_like(own[name])
+        return own
 
     def _beyond_limits(self, path: Tensor, noise: Tensor, clear: Tensor) -> Tensor:
         """Return paths, in parts, that are at their limit, where it is learned they cross it.
@@ -417,6 +418,17 @@ class MotionNetwork(nn.Module):
         grown = (GROWING_PX * measured.growth[:, None]).square()
         seen = plain.spread.square() + other + grown
         return (plain.noise.square() + seen[..., None]).sqrt()
+
+
+def _clear(measured: Tensor, noise: Tensor, path: Tensor) -> Tensor:
+    """Return measured paths in deviations of their noise, 0 where believed ones go back, (b, 2).
+
+    The noise is that along their way; all are in parts.
+    """
+    sizes = measured.norm(dim=2)
+    along = (measured * noise).norm(dim=2) / sizes.clamp(min=1e-6)
+    is_kept = (measured * path).sum(dim=2) > 0
+    return torch.where(is_kept, sizes / along.clamp(min=1e-6), 0.0)
 
 
 def _between(raw: Tensor, bounds: tuple[float, float], unknown: float, trust: Tensor) -> Tensor:

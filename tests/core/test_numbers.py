@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geotlm_lm.core.numbers import generator_for, quantile_by_rank, seed_for
+from geotlm_lm.core.numbers import generator_for, median, quantile_by_rank, seed_for
 
 
 def test_root_names_and_order_all_matter():
@@ -39,3 +39,9 @@ def test_the_value_is_the_one_at_its_place_among_the_sorted(share, kind):
 def test_no_value_and_no_share_are_refused(values, share):
     with pytest.raises(ValueError, match="expected some, 0 <= share < 1"):
         quantile_by_rank(np.array(values), share)
+
+
+@pytest.mark.parametrize("count", [1, 8, 9])
+def test_the_median_is_numpys(count):
+    values = np.random.default_rng(count).normal(size=(3, count)).astype(np.float32)
+    assert median(values).tolist() == np.median(values, axis=-1).tolist()
