@@ -133,10 +133,13 @@ class Measure:
     deviation: float
     unit: str
     tolerance: float
+    decimals: int | None = None  # asked for
 
     @property
     def value(self) -> float:
         """What is told: no finer than the tolerance, to a digit at least."""
+        if self.decimals is not None:
+            return round(self.mean, self.decimals)
         step = 10.0 ** math.floor(math.log10(max(self.tolerance, 1e-9)))
         value = round(self.mean / step) * step
         return float(f"{value if value else self.mean:.{2 if value else 1}g}")

@@ -28,7 +28,13 @@ class Words:
 
     def __init__(self, words: Sequence[str], slots: int) -> None:
         self.words, self.at, self.slots = list(words), 0, slots
+        self.open: list[tuple[str, list]] = []  # primitives that lack an argument yet
         self.expected: set[str] = set()
+
+    @property
+    def next(self) -> str:
+        """The next word; "" at the end."""
+        return self.words[self.at] if self.at < len(self.words) else ""
 
     def has(self, *names: str) -> bool:
         """Tell whether one of some words is next."""

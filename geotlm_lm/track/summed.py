@@ -55,11 +55,11 @@ def _moves(track: Track, component: Component) -> float:
     events = [event for event in track.of(component) if event.component is component]
     if component is Component.PRESS:
         # What begins or ends contact is a touch or a release and no press.
-        events = [event for event in events if not _is_edge(track, event)]
+        events = [event for event in events if not is_edge(track, event)]
     return max((event.probability for event in events), default=UNSEEN)
 
 
-def _is_edge(track: Track, event: Event) -> bool:
+def is_edge(track: Track, event: Event) -> bool:
     """Tell whether a press or release is the beginning or the end of a contact."""
     begins = [event.begin for event in track.events if event.kind is EventKind.TOUCH]
     if event.kind is EventKind.PRESS:

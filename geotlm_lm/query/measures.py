@@ -1,0 +1,516 @@
+"""Measures: how far, how fast, how long and how often, arithmetic, and units."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from geotlm_lm.core.geometry import travel_scale
+from geotlm_lm.core.tolerance import TOLERANCES
+from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.query import program as p
+from geotlm_lm.query.evaluate import (
+    COMPONENT,
+    GRID,
+    PRIMITIVES,
+    Context,
+    Floats,
+    Numbers,
+    Spot,
+    Untold,
+    evaluate,
+    grid,
+    middle,
+    moments,
+)
+from geotlm_lm.query.program import Expression
+from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
+from geotlm_lm.query.worlds import COUNT
+from geotlm_lm.track.events import TOGETHER_S
+
+RATE_S = 0.2
+"""Time over which a speed is measured: less is noise."""
+
+
+def _constant(_: Context, quantity: Quantity) -> Numbers:
+    value, unit, per = in_base(quantity)
+    if quantity.unit.partition("/")[0] == "percent":
+        unit = "percent"
+    return Numbers(np.full(COUNT, value), f"{unit}/{per}" if per else unit)
+
+
+def _number(value: float):
+    return lambda _: Numbers(np.full(COUNT, value), "")
+
+
+def net(context: Context, component: Component) -> tuple[Floats, Floats]:
+    """Return the net and the whole motion of a component in a span, up to a moment.
+
+    Both are (..., COUNT, 4); the whole motion is the path of each of its numbers, there and back.
+    """
+    context.trace.components[component] = None
+    worlds = context.worlds
+    begin, end = context.span
+    if context.now is not None:
+        end = context.now
+    shape = (*np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,)), 4)
+    total, whole = np.zeros(shape), np.zeros(shape)
+    moved = np.zeros(shape[:-1], bool)
+    for happening in worlds.motions(component):
+        share = np.asarray(happening.share_at(end) - happening.share_at(begin))
+        part = np.maximum(share, 0.0)[..., None] * happening.twist
+        total, whole = total + part, whole + np.abs(part)
+        moved = moved | (happening.is_real & (share > 0))
+        context.trace.happenings[id(happening)] = happening
+    unseen = np.where(moved[..., None], 0.0, worlds.unseen)
+    return total + unseen, whole + np.abs(unseen)
+
+
+def scale_of(context: Context) -> tuple[str, tuple[float, float]]:
+    """Return "px" or "mm" and how many of it are a pixel of our square across and down."""
+    frame, recording = context.frame, context.evidence.recording
+    usual = "px" if frame.mm_per_px is None else "mm"
+    wanted = context.length if context.length in ("px", "mm") else usual
+    if wanted == "mm" and frame.mm_per_px is None:
+        raise Untold("scale")
+    size = frame.mm_per_px if wanted == "mm" else None
+    _, scale = travel_scale(recording.rows, recording.columns, size)
+    is_turned = context.view.rotation[0] == 0  # columns are rows then
+    return wanted, scale[::-1] if is_turned else scale
+
+
+def measured(context: Context, atom: str, twist: Floats) -> Numbers:
+    """Return how far something goes in a motion (..., 4): with a sign where the atom is a way."""
+    turn, right, down, inward = np.moveaxis(twist, -1, 0)
+    component = COMPONENT[atom]
+    if component is Component.TURN:
+        sign = {"cw": 1, "ccw": -1}.get(atom)
+        return Numbers(
+            np.abs(turn) if sign is None else sign * turn, "deg", TOLERANCES["deg"], atom
+        )
+    if component is Component.PRESS:
+        sign = {"in": 1, "out": -1}.get(atom)
+        far = np.abs(inward) if sign is None else sign * inward
+        return Numbers(far, "mm", TOLERANCES["mm"], atom)
+    unit, (across, along) = scale_of(context)
+    right, down = across * right, along * down
+    far = {
+        "slide": lambda: np.hypot(right, down),
+        "x": lambda: np.abs(right),
+        "y": lambda: np.abs(down),
+        "right": lambda: right,
+        "left": lambda: -right,
+        "down": lambda: down,
+        "up": lambda: -down,
+    }[atom]()
+    tolerance = TOLERANCES["px"] * (along if atom in ("y", "down", "up") else across)
+    return Numbers(far, unit, tolerance, atom)
+
+
+def _atom(context: Context, atom: str) -> str:
+    """Return what "move" stands for: what has the unit that is wanted, or the farther motion."""
+    if atom != "move":
+        return atom
+    if context.length is not None:
+        return "turn" if context.length == "deg" else "slide"
+    paths = {}
+    for component in COMPONENTS[:2]:
+        paths[component] = sum(
+            float(np.mean(happening.path_px * happening.is_real))
+            for happening in context.worlds.motions(component)
+        )
+    return max(paths, key=paths.__getitem__).value
+
+
+def _amount(context: Context, atom: str) -> Numbers:
+    atom = _atom(context, atom)
+    _require_readable(context, atom)
+    return measured(context, atom, net(context, COMPONENT[atom])[0])
+
+
+def _require_readable(context: Context, atom: str) -> None:
+    belief = context.worlds.belief
+    component = COMPONENT[atom]
+    if not belief.readable.get(component, True) and belief.moves(component) >= 0.5:
+        raise Untold("unreadable")
+
+
+def _path(context: Context, atom: str) -> Numbers:
+    """Return how far it goes there and back; of a way all that goes it."""
+    atom = _atom(context, atom)
+    _require_readable(context, atom)
+    component = COMPONENT[atom]
+    begin, end = context.span
+    end = end if context.now is None else context.now
+    still = measured(context, atom, np.zeros((COUNT, 4)))
+    total = still.values
+    for happening in context.worlds.motions(component):
+        share = np.maximum(happening.share_at(end) - happening.share_at(begin), 0.0)
+        part = measured(context, atom, np.asarray(share)[..., None] * happening.twist)
+        total = total + np.maximum(part.values, 0.0)
+        context.trace.happenings[id(happening)] = happening
+    context.trace.components[component] = None
+    return still.also(total)
+
+
+def _edges(context: Context, atom: str) -> tuple[Floats, Numbers]:
+    """Return the moments between which nothing turns back, and the way up to each."""
+    worlds = context.worlds
+    begin, end = (middle(context, each) for each in context.span)
+    times = {float(begin), float(end)}
+    for happening in worlds.motions(COMPONENT[atom]):
+        times |= {t for t in (happening.begin_s, happening.end_s) if begin <= t <= end}
+    grid = np.array(sorted(times))
+    return grid, _amount(replace(context, now=grid[:, None]), atom)
+
+
+def _peak(context: Context, atom: str) -> Numbers:
+    _, way = _edges(context, atom := _atom(context, atom))
+    return way.also(way.values.max(axis=0))
+
+
+def _peak_time(context: Context, atom: str) -> Floats:
+    context.timed()
+    times, way = _edges(context, _atom(context, atom))
+    return times[way.values.argmax(axis=0)]
+
+
+def _moving_s(context: Context, component: Component) -> Floats:
+    """Return for how long a component moves in each world, on the recording's clock."""
+    begin, end = context.span
+    total = np.zeros(COUNT)
+    for happening in context.worlds.motions(component):
+        inside = np.minimum(end, happening.end_s) - np.maximum(begin, happening.begin_s)
+        total = total + happening.is_real * np.maximum(inside, 0.0)
+    return total
+
+
+def _speed(context: Context, atom: str) -> Numbers:
+    atom = _atom(context, atom)
+    if context.now is not None:
+        return _rate(context, atom, context.now)
+    way = _amount(context, atom)
+    if not context.worlds.is_timed:
+        seconds = context.evidence.recording.seconds
+        if not seconds:
+            raise Untold("rate")
+        return way.also(
+            way.values / seconds, unit=f"{way.unit}/s", tolerance=way.tolerance / seconds
+        )
+    moving = _moving_s(context, COMPONENT[atom])
+    moving = np.where(moving > 0, moving, np.nan)
+    seconds = float(np.median(moving[np.isfinite(moving)])) if np.isfinite(moving).any() else 1.0
+    values = np.where(np.isnan(moving), 0.0, way.values / np.nan_to_num(moving, nan=1.0))
+    return way.also(
+        values, unit=f"{way.unit}/{clock_unit(context)}", tolerance=way.tolerance / seconds
+    )
+
+
+def _rate(context: Context, atom: str, now: Floats) -> Numbers:
+    worlds = context.timed()
+    early = np.maximum(now - RATE_S / 2, worlds.begin_s)
+    late = np.minimum(now + RATE_S / 2, worlds.end_s)
+    way = _amount(context.within(early, late), atom)
+    seconds = np.maximum(late - early, 1e-9)
+    return way.also(way.values / seconds, unit=f"{way.unit}/{clock_unit(context)}",
+                    tolerance=way.tolerance / RATE_S)  # fmt: skip
+
+
+def _fastest(context: Context, atom: str) -> tuple[float, Numbers]:
+    """Return when it is fastest, in the middle of the worlds, and how fast it is there."""
+    best: tuple[float, float] = (-math.inf, 0.0)
+    times = grid(context)
+    for first in range(0, len(times), GRID):
+        part = times[first : first + GRID]
+        speeds = np.median(_rate(context, atom, part[:, None]).values, axis=1)
+        place = int(speeds.argmax())
+        best = max(best, (float(speeds[place]), float(part[place])))
+    return best[1], _rate(context, atom, np.asarray(best[1]))
+
+
+def _limit(context: Context, atom: str) -> Numbers:
+    component = COMPONENT[_atom(context, atom)]
+    belief = context.worlds.belief
+    if component not in belief.limits:
+        raise Untold("contact")
+    mean = belief.at_limit.mean
+    twist = np.array([mean.turn_deg, mean.right_px, 0.0, mean.inward_mm])
+    found = measured(context, component.value, np.tile(twist, (COUNT, 1)))
+    return found.also(np.abs(found.values))
+
+
+def clock_unit(context: Context) -> str:
+    """Return what a recording's clock counts: seconds, or frames where its rate is not known."""
+    return "s" if context.evidence.recording.rate_hz else "frame"
+
+
+def length_of(spot: Spot) -> Floats:
+    """Return how long a span is in each world, (COUNT,)."""
+    return np.broadcast_to(np.asarray(spot.end) - np.asarray(spot.begin), (COUNT,))
+
+
+def _length(context: Context, span: Expression) -> Numbers:
+    context.timed()
+    return Numbers(length_of(evaluate(span, context)), clock_unit(context), TOGETHER_S)
+
+
+def _lasts(context: Context, events: Expression) -> Numbers:
+    """Return for how long some events go on, all together; what overlaps counts once."""
+    context.timed()
+    found = evaluate(events, context)
+    total, until = np.zeros(COUNT), np.full(COUNT, -math.inf)
+    begin, end = context.span
+    for happening, is_so in zip(found.happenings, found.is_so, strict=True):
+        first = np.maximum(np.maximum(happening.begin_s, begin), until)
+        last = np.minimum(happening.end_s, end)
+        total = total + np.where(is_so, np.maximum(last - first, 0.0), 0.0)
+        until = np.where(is_so, np.maximum(until, last), until)
+    return Numbers(total, clock_unit(context), TOGETHER_S)
+
+
+def _time_while(context: Context, inner: Expression) -> Numbers:
+    """Return for how long something is so: each frame stands for the time around it."""
+    times = grid(context)
+    weights = np.gradient(times) if len(times) > 1 else np.zeros(1)
+    weights[[0, -1]] /= 2
+    total, at = np.zeros(COUNT), 0
+    for part, found in moments(context, inner):
+        total = total + weights[at : at + len(part)] @ found
+        at += len(part)
+    return Numbers(total, clock_unit(context), TOGETHER_S)
+
+
+def _share(context: Context, inner: Expression) -> Numbers:
+    length = length_of(Spot(*context.span))
+    found = _time_while(context, inner).values / np.maximum(length, 1e-9)
+    return Numbers(100 * np.minimum(found, 1.0), "percent", 2.0)
+
+
+def _count(context: Context, events: Expression) -> Numbers:
+    return Numbers(evaluate(events, context).is_so.sum(axis=0).astype(float), "")
+
+
+def _delay(context: Context, early: Expression, late: Expression) -> Numbers:
+    far = np.asarray(evaluate(late, context)) - np.asarray(evaluate(early, context))
+    return Numbers(np.broadcast_to(far, (COUNT,)), clock_unit(context), TOGETHER_S)
+
+
+def _clock(context: Context, time: Expression) -> Numbers:
+    at = np.asarray(evaluate(time, context)) - context.timed().begin_s
+    return Numbers(np.broadcast_to(at, (COUNT,)), clock_unit(context), TOGETHER_S)
+
+
+def _fact(context: Context, value: float | None, unit: str, reason: str = "rate") -> Numbers:
+    if value is None:
+        raise Untold(reason)
+    return Numbers(np.full(COUNT, float(value)), unit)
+
+
+def placed(context: Context) -> tuple[float, float]:
+    """Return where the middle of the contact lies: shares of the width and of the height."""
+    area = context.evidence.area
+    if area is None:
+        raise Untold("place")
+    a, b, c, d = context.view.rotation
+    x, y = area.across - 0.5, area.down - 0.5
+    return a * x + b * y + 0.5, c * x + d * y + 0.5
+
+
+def _size(context: Context, pixels: int) -> Numbers:
+    return converted(context, Numbers(np.full(COUNT, float(pixels)), "px"), scale_of(context)[0])
+
+
+def _area(context: Context) -> Numbers:
+    area = context.evidence.area
+    if area is None:
+        raise Untold("share")
+    return Numbers(np.full(COUNT, 100 * area.share), "percent", 5.0)
+
+
+def _chance(context: Context, inner: Expression) -> Numbers:
+    share = np.broadcast_to(np.nan_to_num(evaluate(inner, context)), (COUNT,)).mean()
+    return Numbers(np.full(COUNT, 100 * float(share)), "percent", 2.0)
+
+
+def compared(context: Context, left: Expression, right: Expression) -> tuple[Numbers, Numbers]:
+    """Return two numbers in one unit: that of a constant where one is, else of the first."""
+    scaled = in_length_of(context, left, right)
+    one, two = evaluate(left, scaled), evaluate(right, scaled)
+    if left.value is not None and right.value is None:
+        two, one = _alike(scaled, two, one)
+        return one, two
+    return _alike(scaled, one, two)
+
+
+def _alike(context: Context, one: Numbers, two: Numbers) -> tuple[Numbers, Numbers]:
+    if not two.unit and one.unit:
+        return one, replace(two, unit=one.unit)
+    if not one.unit and two.unit:
+        return replace(one, unit=two.unit), two
+    return one, converted(context, two, one.unit)
+
+
+def in_length_of(context: Context, *expressions: Expression) -> Context:
+    """Return a context that measures as a number is: travel in mm or px, or a turn."""
+    for expression in expressions:
+        units = [inner.value.unit for inner in expression if isinstance(inner.value, Quantity)]
+        units += [inner.arguments[0] for inner in expression if inner.word == "unit"]
+        for unit in units:
+            plain = unit.partition("/")[0]
+            if plain in p.UNITS["length"]:
+                return replace(context, length="px" if plain == "px" else "mm")
+            if plain in p.UNITS["angle"]:
+                return replace(context, length="deg")
+    return context
+
+
+def _sum(sign: int):
+    def added(context: Context, left: Expression, right: Expression) -> Numbers:
+        one, two = compared(context, left, right)
+        return one.also(one.values + sign * two.values, atom=one.atom if one.unit else None)
+
+    return added
+
+
+def _times(context: Context, left: Expression, right: Expression) -> Numbers:
+    one, two = evaluate(left, context), evaluate(right, context)
+    if one.unit and two.unit:
+        raise Untold("unit")
+    main, other = (one, two) if one.unit else (two, one)
+    return main.also(main.values * other.values)
+
+
+def _over(context: Context, left: Expression, right: Expression) -> Numbers:
+    scaled = in_length_of(context, left, right)
+    one, two = evaluate(left, scaled), evaluate(right, scaled)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if not two.unit:
+            return one.also(one.values / np.where(two.values == 0, np.nan, two.values))
+        if two.unit in ("s", "frame") and one.unit not in ("s", "frame", ""):
+            return one.also(one.values / np.where(two.values == 0, np.nan, two.values),
+                            unit=f"{one.unit}/{two.unit}")  # fmt: skip
+        two = converted(scaled, two, one.unit)
+        return Numbers(one.values / np.where(two.values == 0, np.nan, two.values), "", 0.05)
+
+
+def _percent_of(context: Context, part: Expression, whole: Expression) -> Numbers:
+    one, two = compared(context, part, whole)
+    known = np.where(two.values == 0, np.nan, two.values)
+    return Numbers(100 * one.values / known, "percent", 2.0)
+
+
+def _extreme(choose: Callable[[Floats, Floats], Floats]):
+    def extreme(context: Context, left: Expression, right: Expression) -> Numbers:
+        one, two = compared(context, left, right)
+        return one.also(choose(one.values, two.values))
+
+    return extreme
+
+
+def _mapped(context: Context, change: Callable[[Floats], Floats], inner: Expression) -> Numbers:
+    found = evaluate(inner, context)
+    return found.also(change(found.values))
+
+
+def _in_unit(context: Context, unit: str, inner: Expression) -> Numbers:
+    kind = next(kind for kind, units in p.UNITS.items() if unit in units)
+    length = {"angle": "deg", "length": "px" if unit == "px" else "mm"}.get(kind, context.length)
+    found = evaluate(inner, replace(context, length=length))
+    _, _, per = found.unit.partition("/")
+    return converted(context, found, f"{unit}/{per}" if per else unit)
+
+
+def _per(context: Context, per: str, inner: Expression) -> Numbers:
+    found = evaluate(inner, context)
+    top, _, clock = found.unit.partition("/")
+    if not clock:
+        raise Untold("unit")
+    return converted(context, found, f"{top}/{per.removeprefix('per-')}")
+
+
+def converted(context: Context, numbers: Numbers, unit: str) -> Numbers:
+    """Return numbers in another unit.
+
+    Raises:
+        Untold: If it is one of something else, or needs a scale or a rate that is not known.
+    """
+    factor = _factor(context, numbers.unit, unit)
+    return numbers.also(numbers.values * factor, unit=unit, tolerance=numbers.tolerance * factor)
+
+
+def _factor(context: Context, have: str, wanted: str) -> float:
+    if have == wanted:
+        return 1.0
+    if "/" in have or "/" in wanted:
+        top, _, per = have.partition("/")
+        wanted_top, _, wanted_per = wanted.partition("/")
+        if not per or not wanted_per:
+            raise Untold("unit")
+        return _factor(context, top, wanted_top) / _factor(context, per, wanted_per)
+    for factors in FACTORS.values():
+        if have in factors and wanted in factors:
+            return factors[have] / factors[wanted]
+    times = FACTORS["time"]
+    if {have, wanted} & {"frame"} and {have, wanted} & times.keys():
+        rate = context.evidence.recording.rate_hz
+        if not rate:
+            raise Untold("rate")
+        return rate * times[have] if have in times else 1 / (rate * times[wanted])
+    lengths = FACTORS["length"]
+    if {have, wanted} & {"px"} and {have, wanted} & lengths.keys():
+        size = context.frame.mm_per_px
+        if size is None:
+            raise Untold("scale")
+        return lengths[have] / size if have in lengths else size / lengths[wanted]
+    raise Untold("unit")
+
+
+# Times, spans and events
+
+
+PRIMITIVES |= {
+    "#": _constant,
+    "in-unit": converted,
+    "pi": _number(math.pi),
+    "amount": _amount,
+    "path": _path,
+    "peak": _peak,
+    "speed": _speed,
+    "top-speed": lambda context, atom: _fastest(context, _atom(context, atom))[1],
+    "limit": _limit,
+    "length": _length,
+    "lasts": _lasts,
+    "time-while": _time_while,
+    "share": _share,
+    "count": _count,
+    "delay": _delay,
+    "clock": _clock,
+    "area": _area,
+    "place-x": lambda context: _fact(context, 100 * placed(context)[0], "percent"),
+    "place-y": lambda context: _fact(context, 100 * placed(context)[1], "percent"),
+    "frame-rate": lambda context: _fact(context, context.evidence.recording.rate_hz, ""),
+    "frame-width": lambda context: _size(context, context.evidence.recording.columns),
+    "frame-height": lambda context: _size(context, context.evidence.recording.rows),
+    "frame-count": lambda context: _fact(context, context.evidence.recording.frames, ""),
+    "chance": _chance,
+    "+": _sum(1),
+    "-": _sum(-1),
+    "*": _times,
+    "/": _over,
+    "percent-of": _percent_of,
+    "min": _extreme(np.minimum),
+    "max": _extreme(np.maximum),
+    "abs": lambda context, inner: _mapped(context, np.abs, inner),
+    "negate": lambda context, inner: _mapped(context, np.negative, inner),
+    "unit": _in_unit,
+    "per": _per,
+    "round": lambda context, _, inner: evaluate(inner, context),
+    "peak-time": _peak_time,
+    "top-speed-time": lambda context, atom: np.full(
+        COUNT, _fastest(context, _atom(context, atom))[0]
+    ),
+    **{count: _number(float(count)) for count in p.COUNTS},
+}

@@ -1,0 +1,516 @@
+"""What a question means: a typed expression, written as a line of words and read back.
+
+Every word is a primitive that takes so many arguments of given types, written before them, so a
+line reads from the left without brackets, and at each place it is known which words may follow: a
+decoder writes well-formed programs only.
+
+    program := clause (";" clause)*
+    clause  := "fact" fact | answer | "as" form
+    within final #1 contact > speed turn #2   "in the last 0.2 s of contact, faster than 30 deg/s?"
+
+Numbers and the words of a template are never spelled: `#k` and `@k` are the k-th of the question
+until `filled`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from geotlm_lm.core.edit import EDIT_WORDS, Edit
+from geotlm_lm.query.facts import FACTS
+from geotlm_lm.query.types import Fact, Quantity, Slot
+from geotlm_lm.query.words import Malformed, Words
+
+WAYS = ("cw", "ccw", "left", "right", "up", "down", "in", "out")
+COMPONENTS = ("turn", "slide", "press")
+MEASURED = (*COMPONENTS, *WAYS, "x", "y", "move")
+"""What goes a way: "move" the longer of turn and slide, "x" and "y" along columns and rows."""
+
+TRAITS = (*MEASURED, "tighten", "loosen", "still", "touch", "none")
+"""What is so or not of a span: "still" that it touches and does not move."""
+
+KINDS = (*MEASURED, "still", "touch", "none", "slip", "pause", "reverse")
+"""What happens in a recording: "touch" and "none" that contact begins and ends, "still" a rest."""
+
+EVENTS = "-events"
+"""Ends the word for all that happens of a kind: "cw-events"."""
+
+ASKED = ("all", *COMPONENTS, "x", "y", "thread", "sign")
+UNITS = {
+    "angle": ("deg", "rad", "turn", "arcmin"),
+    "length": ("px", "mm", "cm", "um", "inch", "thou"),
+    "time": ("s", "ms", "min", "frame"),
+    "share": ("percent",),
+}
+PER = {"per-s": 1.0, "per-ms": 0.001, "per-min": 60.0, "per-frame": None}
+"""Times that an amount may be told per, in seconds; a frame's follows from the recording."""
+
+COUNTS = tuple(map(str, range(13)))
+"""Numbers that a program may spell, for "once" and "the second half"."""
+
+HALVES = ("upper", "lower", "left-half", "right-half")
+LABELS = (*"ABCDEF", *"123456", "-1", "0")
+TOPICS = ("duration", "frames", "rate", "interval", "size", "used", "scale")
+SETTINGS = ("frame", "mirrored", "turned", "mover", "thread", "side", "options")
+TALK = ("greeting", "thanks", "fine", "bye", "doubt", "who", "statement")
+UNANSWERABLE = (
+    "force", "identity", "material", "look", "size", "quality", "temperature", "sound", "future",
+    "advice", "cause", "place", "tilt", "axis", "world", "language", "off-topic",
+)  # fmt: skip
+"""What is asked that touch, or this program, cannot tell."""
+
+FORMS = (
+    "sentence", "word", "letter", "number", "sign", "yes-no", "one-zero", "brief", "bare",
+    "one-sentence", "list", "table", "json", "csv", "pairs",
+)  # fmt: skip
+"""How an answer is written; "pairs" are lines of key=value."""
+
+MOST_SLOTS = 9
+"""Quantities, and words, of a text that a program can point at."""
+
+_PLAIN = {
+    "bool": {
+        **{trait: () for trait in TRAITS},
+        "not": ("bool",),
+        **{joint: ("bool", "bool") for joint in ("and", "or")},
+        **{sign: ("number", "number") for sign in (">", "<", "=", "~")},
+        "in-range": ("number", "number", "number"),
+        **{change: ("of",) for change in ("speeds-up", "slows-down")},
+        "happens": ("events",),
+        **{order: ("time", "time") for order in ("before", "after")},
+        "ever": ("bool",),  # at some moment of the span
+        "always": ("bool",),  # at every moment of it
+        "lies": ("half",),
+        **{how: ("way",) for how in ("same", "opposite", "mirrored")},  # of two clips
+        **{how: ("number",) for how in ("more", "less", "as-far")},
+        **{which: ("bool",) for which in ("both", "either", "neither", "only-one")},
+    },
+    "number": {
+        **{count: () for count in COUNTS},
+        "pi": (),
+        **{how: ("of",) for how in ("amount", "path", "peak", "speed", "top-speed", "limit")},
+        "length": ("span",),
+        "lasts": ("events",),
+        "time-while": ("bool",),
+        "share": ("bool",),  # of the span's time
+        "count": ("events",),
+        "delay": ("time", "time"),
+        "clock": ("time",),  # since the recording began
+        **{place: () for place in ("area", "place-x", "place-y", "frame-rate", "frame-count")},
+        **{size: () for size in ("frame-width", "frame-height")},
+        "chance": ("bool",),
+        **{sign: ("number", "number") for sign in ("+", "-", "*", "/", "percent-of", "min", "max")},
+        **{how: ("number",) for how in ("abs", "negate")},
+        "unit": ("unit", "number"),
+        "per": ("per", "number"),
+        "round": ("decimals", "number"),
+    },
+    "time": {
+        "t": ("number",),
+        **{end: ("span",) for end in ("begin", "end")},
+        **{shift: ("time", "number") for shift in ("later", "earlier")},
+        **{which: ("bool",) for which in ("first-time", "last-time")},
+        **{which: ("of",) for which in ("peak-time", "top-speed-time")},
+    },
+    "event": {
+        **{which: ("events",) for which in ("first", "last", "largest", "longest", "fastest")},
+        "nth": ("number", "events"),
+        **{which: ("event", "events") for which in ("next", "previous")},
+        "it": (),  # what was spoken of last
+    },
+    "span": {
+        "recording": (),
+        "contact": (),
+        "between": ("time", "time"),
+        **{which: ("number", "span") for which in ("initial", "final")},
+        **{side: ("time",) for side in ("until", "since")},
+        "part": ("number", "number", "span"),  # "part 2 2 contact": its second half
+        "around": ("time", "number"),
+    },
+    "events": {**{f"{kind}{EVENTS}": () for kind in KINDS}, "such": ("bool", "events")},
+    "way": {"way": ("asked",), **{what: () for what in ("kind", "extent", "story")}},
+    "label": {
+        **{which: ("cases",) for which in ("choose", "choose-not")},
+        "which-clip": ("bool",),
+        **{which: ("number",) for which in ("which-more", "which-less")},
+    },
+    "record": {
+        "record": ("fields",),
+        "each": ("events", "answer"),
+        "each-clip": ("answer",),
+        **{ends: ("events",) for ends in ("begins", "ends")},
+    },
+    "talk": {
+        **{plain: () for plain in ("why", "sure", "sure-amount", "alternatives", "place", "help")},
+        **{of: ("bool",) for of in ("why-of", "sure-of")},
+        "setup": ("setting",),
+        "file": ("topic",),
+        "talk": ("remark",),
+        "cannot": ("unanswerable",),
+        "not-understood": (),
+    },
+}
+"""Primitives by the type that they give, and the types of what they take."""
+
+_NAMES = {
+    "of": MEASURED,
+    "half": HALVES,
+    "asked": ASKED,
+    "unit": tuple(unit for units in UNITS.values() for unit in units),
+    "per": tuple(PER),
+    "decimals": COUNTS[:7],
+    "setting": SETTINGS,
+    "topic": TOPICS,
+    "remark": TALK,
+    "unanswerable": UNANSWERABLE,
+}
+"""Types whose values are names alone."""
+
+_WRAPPERS: Mapping[str, tuple[str, ...]] = {
+    "within": ("span", "*"),
+    "at": ("time", "*"),
+    **{edit: ("*",) for edit in EDIT_WORDS},
+    **{clip: ("*",) for clip in ("of-first", "of-second", "of-previous")},
+    "if": ("bool", "*", "*"),
+    **{mover: ("*",) for mover in ("as-object", "as-sensor")},  # whatever it was before
+    "again": (),  # what was asked last
+    "plain": ("*",),  # without the views and spans that were asked for before
+}
+"""Primitives that give whatever type is wanted, "*"."""
+
+_ANSWERS = ("bool", "number", "time", "event", "way", "label", "record", "talk")
+"""Types of what can be asked for."""
+
+_NEVER_WRAPPED = (*_NAMES, "cases", "fields")
+
+
+def _accepted() -> dict[str, dict[str, tuple[str, ...]]]:
+    """Return the words that each type may begin with, and what each takes."""
+    found = {name: {word: () for word in words} for name, words in _NAMES.items()}
+    found |= {name: dict(words) for name, words in _PLAIN.items()}
+    found["span"] |= found["event"]
+    found["answer"] = {word: takes for name in _ANSWERS for word, takes in found[name].items()}
+    for name, words in found.items():
+        if name in (*_PLAIN, "answer"):
+            words |= {
+                word: tuple(name if one == "*" else one for one in takes)
+                for word, takes in _WRAPPERS.items()
+            }
+    return found
+
+
+ACCEPTED = _accepted()
+
+_OTHERS = ("other", "unknown")
+"""Cases such as "none of these" and "cannot tell"."""
+
+
+@dataclass(frozen=True)
+class Text:
+    """The k-th word of the question that is to be written as it stands, from 1."""
+
+    index: int
+
+
+@dataclass(frozen=True)
+class Case:
+    """One of several answers offered: its label, and what it says."""
+
+    holds: Expression
+    label: str | Slot | Quantity | Text | None = None
+
+
+@dataclass(frozen=True)
+class Field:
+    """One of a record's answers and the key it is written under."""
+
+    answer: Expression
+    key: str | Text | None = None
+
+
+Argument = Any
+"""An `Expression`, a name, or a tuple of cases or of fields."""
+
+
+@dataclass(frozen=True)
+class Expression:
+    """A primitive and its arguments; of a number `value` instead."""
+
+    word: str
+    arguments: tuple[Argument, ...] = ()
+    value: Slot | Quantity | None = None
+
+    def __iter__(self) -> Iterator[Expression]:
+        """Yield this expression and all within it."""
+        yield self
+        for argument in self.arguments:
+            for inner in argument if isinstance(argument, tuple) else (argument,):
+                if isinstance(inner, Case | Field):
+                    inner = inner.holds if isinstance(inner, Case) else inner.answer
+                if isinstance(inner, Expression):
+                    yield from inner
+
+
+def of(word: str, *arguments: Argument) -> Expression:
+    """Return an expression; strings among the arguments are names where it takes names."""
+    return Expression(word, arguments)
+
+
+def number(value: Slot | Quantity | float) -> Expression:
+    """Return a number as an expression."""
+    plain = value if isinstance(value, Slot | Quantity) else Quantity(float(value))
+    return Expression("#", (), plain)
+
+
+@dataclass(frozen=True)
+class Program:
+    """What a text asks and states; a mere statement has no answers."""
+
+    answers: tuple[Expression, ...] = ()
+    facts: tuple[Fact, ...] = ()
+    form: str = "sentence"
+    texts: tuple[str, ...] = field(default=(), compare=False)
+
+
+def type_of(expression: Expression) -> str:
+    """Return the type that an expression gives."""
+    if expression.value is not None:
+        return "number"
+    if expression.word in _WRAPPERS:
+        return type_of(expression.arguments[-1]) if expression.arguments else "answer"
+    return next(name for name, words in _PLAIN.items() if expression.word in words)
+
+
+def write(program: Program) -> str:
+    """Return a program as its line of words."""
+    clauses = [*map(_write_fact, program.facts)]
+    clauses += [list(_written(answer)) for answer in program.answers]
+    if program.form != "sentence":
+        clauses.append(["as", program.form])
+    return " ; ".join(" ".join(clause) for clause in clauses)
+
+
+def written(expression: Expression) -> str:
+    """Return one expression as its words."""
+    return " ".join(_written(expression))
+
+
+def _written(value: Argument) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, tuple):
+        for place, item in enumerate(value):
+            if place:
+                yield ","
+            label, inner = (
+                (item.label, item.holds) if isinstance(item, Case) else (item.key, item.answer)
+            )
+            if label is not None:
+                yield _constant(label)
+            yield from _written(inner)
+    elif value.value is not None:
+        yield _constant(value.value)
+    else:
+        yield value.word
+        for argument in value.arguments:
+            yield from _written(argument)
+
+
+def _constant(value: str | Slot | Quantity | Text) -> str:
+    if isinstance(value, Slot):
+        return f"#{value.index}"
+    if isinstance(value, Text):
+        return f"@{value.index}"
+    return value if isinstance(value, str) else f"{value.value!r}:{value.unit}"
+
+
+def _write_fact(fact: Fact) -> list[str]:
+    value = [] if fact.value is None else [fact.value]
+    return ["fact", *["not"] * fact.denied, fact.name, *value, *map(_constant, fact.numbers)]
+
+
+def read(line: str, slots: int = MOST_SLOTS, texts: int = MOST_SLOTS) -> Program:
+    """Return the program of a line of words.
+
+    Args:
+        line: The words.
+        slots: How many quantities the question holds.
+        texts: How many of its words may be copied.
+
+    Raises:
+        Malformed: If it is none.
+    """
+    return _read(Words(line.split(), slots), texts)
+
+
+def next_words(prefix: Sequence[str], slots: int, texts: int = 0) -> frozenset[str]:
+    """Return the words that may follow a beginning, `words.END` among them where it is whole.
+
+    Raises:
+        Malformed: If no program begins so.
+    """
+    return begun(prefix, slots, texts)[0]
+
+
+def begun(
+    prefix: Sequence[str], slots: int, texts: int = 0
+) -> tuple[frozenset[str], tuple[str, tuple[Argument, ...]] | None]:
+    """Return the words that may follow, and the innermost primitive that lacks an argument.
+
+    The primitive comes with the arguments it has; None where none is open.
+    """
+    words = Words([*prefix, ""], slots)  # no word: whatever could stand here is what is missed
+    try:
+        _read(words, texts)
+    except Malformed as missed:
+        if missed.at == len(prefix):
+            word, arguments = words.open[-1] if words.open else (None, ())
+            return missed.expected, None if word is None else (word, tuple(arguments))
+        raise
+    raise AssertionError("an empty word was read")
+
+
+def _read(words: Words, texts: int) -> Program:
+    facts: list[Fact] = []
+    answers: list[Expression] = []
+    form = "sentence"
+    while True:
+        if not answers and words.optional("fact"):
+            facts.append(_read_fact(words))
+        elif (answers or facts) and words.optional("as"):
+            form = words.take(*FORMS[1:])
+            break
+        else:
+            answers.append(_read_value(words, "answer", texts))
+        if words.optional(";") is None:
+            break
+    words.close()
+    return Program(tuple(answers), tuple(facts), form)
+
+
+def _read_value(words: Words, wanted: str, texts: int) -> Argument:
+    if wanted in ("cases", "fields"):
+        reader, found = {"cases": _read_case, "fields": _read_field}[wanted], []
+        while not found or words.optional(",") is not None:
+            found.append(reader(words, texts))
+        return tuple(found)
+    accepted = ACCEPTED[wanted]
+    is_number = wanted in ("number", "answer")
+    if is_number and (words.has(*_slots(words)) or ":" in words.next):
+        return Expression("#", (), words.number())
+    word = words.take(*accepted)
+    if wanted in _NAMES:
+        return word
+    arguments: list[Argument] = []
+    words.open.append((word, arguments))
+    for each in accepted[word]:
+        arguments.append(_read_value(words, each, texts))
+    words.open.pop()
+    return Expression(word, tuple(arguments))
+
+
+def _slots(words: Words) -> tuple[str, ...]:
+    return tuple(f"#{place + 1}" for place in range(words.slots))
+
+
+def _copied(texts: int) -> tuple[str, ...]:
+    return tuple(f"@{place + 1}" for place in range(texts))
+
+
+def _read_case(words: Words, texts: int) -> Case:
+    label: str | Slot | Quantity | Text | None = words.optional(*LABELS, *_copied(texts))
+    if label is None and (words.has(*_slots(words)) or ":" in words.next):
+        label = words.number()
+    elif label is not None and label.startswith("@"):
+        label = Text(int(label[1:]))
+    other = words.optional(*_OTHERS)
+    return Case(Expression(other) if other else _read_value(words, "bool", texts), label)
+
+
+def _read_field(words: Words, texts: int) -> Field:
+    key = words.optional(*_copied(texts))
+    return Field(_read_value(words, "answer", texts), None if key is None else Text(int(key[1:])))
+
+
+def _read_fact(words: Words) -> Fact:
+    denied = words.optional("not") is not None
+    has_numbers = words.slots or any(":" in word for word in words.words)
+    names = [name for name, (_, count) in FACTS.items() if has_numbers or not count or denied]
+    name = words.take(*names)
+    values, count = FACTS[name]
+    value = words.optional(*values) if denied else words.take(*values) if values else None
+    numbers = () if denied else tuple(words.number() for _ in range(count))
+    return Fact(name, value, numbers, denied)
+
+
+def normal(value: Any) -> Any:
+    """Return a program, or a part of one, with each run of views in its shortest words.
+
+    A view that is taken back at once is none.
+    """
+    if isinstance(value, tuple):
+        return tuple(map(normal, value))
+    if not isinstance(value, Program | Expression | Case | Field):
+        return value
+    parts = {
+        name: normal(inner)
+        for name, inner in vars(value).items()
+        if isinstance(inner, tuple | Expression) and name not in ("facts", "texts")
+    }
+    value = replace(value, **parts)
+    words, inner = [], value
+    while isinstance(inner, Expression) and inner.word in EDIT_WORDS:
+        words.append(inner.word)
+        (inner,) = inner.arguments
+    for word in reversed(Edit.of(*words).words if words else ()):
+        inner = of(word, inner)
+    return inner if words else value
+
+
+def head_of(expression: Expression) -> Expression:
+    """Return what is asked, without the views, clips and spans around it."""
+    while expression.word in _WRAPPERS and expression.arguments and expression.word != "if":
+        expression = expression.arguments[-1]
+    return expression
+
+
+def filled(value: Any, quantities: Sequence[Quantity], texts: Sequence[str] = ()) -> Any:
+    """Return a program, or a part of one, with the question's numbers and words in their slots.
+
+    Raises:
+        IndexError: If a slot counts beyond them.
+    """
+    if isinstance(value, Slot):
+        return quantities[value.index - 1]
+    if isinstance(value, Text):
+        return texts[value.index - 1]
+    if isinstance(value, tuple):
+        return tuple(filled(item, quantities, texts) for item in value)
+    if isinstance(value, Program | Expression | Case | Field | Fact):
+        return replace(
+            value,
+            **{
+                name: filled(inner, quantities, texts)
+                for name, inner in vars(value).items()
+                if isinstance(inner, tuple | Expression | Slot | Text)
+            },
+        )
+    return value
+
+
+PROGRAM_WORDS = tuple(
+    dict.fromkeys(
+        (
+            *(";", ",", "as", "fact", "not"),
+            *(f"{mark}{place + 1}" for mark in "#@" for place in range(MOST_SLOTS)),
+            *(word for words in ACCEPTED.values() for word in words),
+            *(*LABELS, *_OTHERS),
+            *FACTS,
+            *(word for values, _ in FACTS.values() for word in values),
+            *FORMS[1:],
+        )
+    )
+)
+"""Every word that a program may hold."""

@@ -1,0 +1,265 @@
+"""The laws of expressions, over random programs and random evidence."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.query import program as p
+from geotlm_lm.query.answers import answer, answers
+from geotlm_lm.query.evaluate import Untold, evaluate
+from geotlm_lm.query.program import Case, of
+from geotlm_lm.query.values import Amount, Choice, Moved, Record, Times, Truth, Unknown
+from tests.query.programs import (
+    context_of,
+    evidence,
+    expressions,
+    frames,
+    of_clip,
+    of_track,
+    pairs,
+    there_and_back,
+)
+from tests.query.strategies import turning
+from tests.query.test_execute import certain
+
+FRAME = FrameSpec()
+
+
+def told(line, *clips, frame=FRAME):
+    """Return what a line comes to."""
+    return answers(p.read(line), clips or (there_and_back(),), frame)[0]
+
+
+def same(one, two):
+    np.testing.assert_array_equal(
+        np.broadcast_arrays(one, two)[0], np.broadcast_arrays(one, two)[1]
+    )
+
+
+def both(context, *expressions):
+    """Return what expressions are in every world, or None where one of them cannot be told."""
+    try:
+        return [evaluate(each, context) for each in expressions]
+    except Untold:
+        return None
+
+
+@given(expressions(), pairs, frames)
+@settings(max_examples=100, deadline=None)
+def test_every_program_comes_to_a_value(expression, clips, frame):
+    value = answer(expression, context_of(*clips, frame=frame))
+    assert 0 <= value.probability <= 1
+    if isinstance(value, Amount):
+        assert np.isfinite(value.amount.value)
+
+
+@given(expressions("bool", 3), evidence)
+@settings(max_examples=50, deadline=None)
+def test_denied_twice_is_the_same_again(expression, clip):
+    found = both(context_of(clip), expression, of("not", of("not", expression)))
+    assert found is None or same(*found) is None
+
+
+@given(expressions("bool", 2), expressions("bool", 2), evidence)
+@settings(max_examples=50, deadline=None)
+def test_de_morgan(one, two, clip):
+    denied = of("not", of("and", one, two)), of("or", of("not", one), of("not", two))
+    found = both(context_of(clip), *denied)
+    assert found is None or same(*found) is None
+
+
+@given(expressions("bool", 3), evidence)
+@settings(max_examples=40, deadline=None)
+def test_a_claim_and_its_denial_add_up_to_what_can_be_told(expression, clip):
+    context = context_of(clip)
+    yes, no = answer(expression, context), answer(of("not", expression), context)
+    if isinstance(yes, Truth) and isinstance(no, Truth):
+        known = yes.chance + no.chance
+        assert known <= 1 + 1e-9
+        assert yes.holds != no.holds or yes.chance == pytest.approx(no.chance)
+
+
+@given(evidence, frames)
+@settings(max_examples=40, deadline=None)
+def test_claim_choice_and_open_question_agree(clip, frame):
+    frame = replace(frame, thread=None)
+    context = context_of(clip, frame=frame)
+    open_ = answer(of("way", "turn"), context)
+    cases = tuple(Case(of(way)) for way in ("cw", "ccw")) + (Case(of("other")),)
+    choice = answer(of("choose", cases), context)
+    for place, way in enumerate(("cw", "ccw")):
+        claim = answer(of(way), context)
+        assert claim.chance == choice.chances[place]
+        if isinstance(open_, Moved) and open_.movements and open_.movements[0].component == "turn":
+            is_way = (
+                open_.movements[0].way.value == {"cw": "clockwise", "ccw": "counterclockwise"}[way]
+            )
+            assert claim.holds or not is_way or open_.probability < 0.5
+
+
+@given(st.lists(expressions("answer", 2), min_size=1, max_size=3), evidence)
+@settings(max_examples=40, deadline=None)
+def test_a_template_is_its_fields_asked_one_by_one(wanted, clip):
+    context = context_of(clip)
+    found = answer(of("record", tuple(p.Field(each) for each in wanted)), context)
+    assert isinstance(found, Record)
+    for (_, value), each in zip(found.fields, wanted, strict=True):
+        alone = answer(each, context)
+        assert type(value) is type(alone)
+        assert value.probability == pytest.approx(alone.probability, abs=1e-12)
+
+
+@given(st.sampled_from(("turn", "slide", "cw", "left")), st.floats(0.05, 0.95))
+@settings(max_examples=40, deadline=None)
+def test_adjacent_spans_add_up(atom, share):
+    cut = f"t {share * 100}:percent"
+    whole, first, second = (
+        evaluate(p.read(line).answers[0], context_of(there_and_back())).values
+        for line in (
+            f"within recording path {atom}",
+            f"within between begin recording {cut} path {atom}",
+            f"within between {cut} end recording path {atom}",
+        )
+    )
+    np.testing.assert_allclose(first + second, whole, atol=1e-9)
+
+
+@given(evidence, st.sampled_from((("deg", "rad", 57.29577951308232), ("deg", "turn", 360.0))))
+@settings(max_examples=20, deadline=None)
+def test_units_convert(clip, units):
+    unit, other, factor = units
+    one, two = (evaluate(of("unit", each, of("amount", "turn")), context_of(clip))
+                for each in (unit, other))  # fmt: skip
+    np.testing.assert_allclose(one.values, two.values * factor)
+
+
+@given(expressions("bool", 2), evidence, st.sampled_from(p.EDIT_WORDS))
+@settings(max_examples=40, deadline=None)
+def test_a_view_that_is_taken_back_changes_nothing(expression, clip, word):
+    back = {"quarter-cw": "quarter-ccw", "quarter-ccw": "quarter-cw"}.get(word, word)
+    found = both(context_of(clip), expression, of(word, of(back, expression)))
+    assert found is None or same(*found) is None
+
+
+def test_a_share_is_a_time_over_a_time():
+    share, during, whole = (told(line).amount.mean for line in (
+        "share turn", "time-while turn", "length contact"))  # fmt: skip
+    assert share == pytest.approx(100 * during / whole, rel=1e-6)
+
+
+@pytest.mark.parametrize(("line", "value", "unit"), [
+    ("amount cw", 65, "deg"),
+    ("path turn", 95, "deg"),
+    ("path ccw", 15, "deg"),
+    ("count turn-events", 3, ""),
+    ("count reverse-events", 2, ""),
+    ("count such > amount turn 30.0:deg turn-events", 2, ""),
+    ("within part 1 2 contact amount cw", 40 - 0, "deg"),
+    ("within final 1.0:s contact amount cw", 40, "deg"),
+    ("within between end first turn-events begin last turn-events amount cw", -15, "deg"),
+    ("delay begin contact begin first turn-events", 1.0, "s"),
+    ("unit frame delay begin contact begin first turn-events", 25, "frame"),
+    ("percent-of amount cw 130.0:deg", 50, "percent"),
+    ("- path turn amount cw", 30, "deg"),
+    ("/ path cw path ccw", 80 / 15, ""),
+    ("at t 2.0:s amount cw", 40, "deg"),
+    ("speed cw", 65 / 3, "deg/s"),
+    ("per per-min within first turn-events speed turn", 2400, "deg/min"),
+    ("peak cw", 65, "deg"),
+    ("clock first-time > amount cw 30.0:deg", 1.75, "s"),
+    ("time-while not turn", 1.0, "s"),
+    ("if > amount cw 60.0:deg 1 0", 1, ""),
+])  # fmt: skip
+def test_numbers_of_a_recording(line, value, unit):
+    found = told(line)
+    assert isinstance(found, Amount)
+    assert found.amount.unit == unit
+    assert found.amount.mean == pytest.approx(value, rel=0.04, abs=0.05)
+
+
+@pytest.mark.parametrize(("line", "holds"), [
+    ("cw", True),
+    ("ccw", False),
+    ("happens ccw-events", True),
+    ("always touch", True),
+    ("ever ccw", True),
+    ("within recording always touch", False),
+    ("within final 0.5:s contact turn", True),
+    ("within until begin first turn-events turn", False),
+    ("at t 0.5:s turn", False),
+    ("at t 1.5:s turn", True),
+    ("before begin first cw-events begin first ccw-events", True),
+    ("= count turn-events 3", True),
+    ("and > amount cw 50.0:deg < amount cw 80.0:deg", True),
+    ("in-range amount turn 50.0: 80.0:deg", True),
+    ("happens such > length contact 0.5:s still-events", True),
+    ("> within part 1 3 contact path turn within part 2 3 contact path turn", False),
+])  # fmt: skip
+def test_truths_of_a_recording(line, holds):
+    found = told(line)
+    assert isinstance(found, Truth)
+    assert found.holds is holds
+    assert found.probability > 0.8
+
+
+def test_moments_of_a_recording():
+    assert told("begin first turn-events").times_s == pytest.approx((1.0,))
+    assert told("begins turn-events").times_s == pytest.approx((1.0, 2.0, 3.0))
+    assert told("backwards begin first turn-events").times_s == pytest.approx((1.0,))
+    assert told("last-time cw").times_s == pytest.approx((4.0,))
+    assert told("largest ccw-events").times_s == pytest.approx((2.0, 3.0))
+    assert isinstance(told("begin first slide-events"), Times)
+
+
+def test_what_a_recording_lacks_is_said_with_its_reason():
+    assert told("amount slide", of_clip(certain(turn=20))).denied
+    assert told("begin first turn-events", of_clip(certain(turn=20))).reason == "track"
+    assert told("of-second amount turn").reason == "second"
+    assert told("unit mm amount slide", of_clip(certain(right=9))).reason == "scale"
+    assert told("tighten").reason == "thread"
+    assert isinstance(told("within first slide-events amount turn"), Unknown)
+
+
+def test_two_recordings_are_compared_by_the_same_operators():
+    clips = of_clip(certain(turn=40)), of_clip(certain(turn=-10), 1)
+    assert not told("same way turn", *clips).holds
+    assert told("opposite way turn", *clips).holds
+    assert told("more amount turn", *clips).holds
+    assert told("which-more amount turn", *clips).chosen == (0,)
+    assert told(
+        "/ of-first amount turn of-second amount turn", *clips
+    ).amount.value == pytest.approx(4, abs=0.3)
+    assert told("which-clip ccw", *clips).chosen == (1,)
+    assert told("either ccw", *clips).holds
+    assert not told("both ccw", *clips).holds
+
+
+def test_own_labels_are_chosen_by_what_holds():
+    found = told("choose A > amount cw 30.0:deg , B other")
+    assert isinstance(found, Choice)
+    assert found.chosen == (0,)
+
+
+def test_a_doubtful_small_motion_does_not_make_a_sure_large_one_doubtful():
+    belief = certain(turn=40)
+    ways = {way: 0.3 if way.value == "right" else share for way, share in belief.ways.items()}
+    found = told("way turn", of_clip(replace(belief, ways=ways)))
+    assert found.probability > 0.95
+
+
+@pytest.mark.slow
+def test_cost_grows_no_faster_than_the_recording():
+    import time
+
+    seconds = []
+    for turns in (10, 40):
+        clip = of_track(turning([15.0, -15.0] * (turns // 2)))
+        began = time.process_time()
+        for line in ("first-time > amount cw 10.0:deg", "share turn", "path turn"):
+            told(line, clip)
+        seconds.append(time.process_time() - began)
+    assert seconds[1] < 3 * 4 * seconds[0]
