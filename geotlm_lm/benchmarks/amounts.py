@@ -31,6 +31,7 @@ from geotlm_lm.benchmarks.judging import Graded, share_row, share_rows
 from geotlm_lm.benchmarks.rendering import number, right_with_interval
 from geotlm_lm.benchmarks.variants import BELIEF, FITS, GENERATED, RIVALS, on_gel, question_for
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel, signed_amount
@@ -209,7 +210,12 @@ def mixture_rows(run: Run) -> list[Row]:
 
     def graded(title: str, gels: Mapping[str, float] | None) -> Iterator[Graded]:
         for done, made in enumerate(simulated_mixtures(count, run.seed, gels), start=1):
-            encoded = run.answerer.encode(made.clip)
+            try:
+                encoded = run.answerer.encode(made.clip)
+            except UnreadableClip:  # a dark gel that is covered from rim to rim
+                yield f"{title}, clips that are read", BELIEF, False, made.object_name
+                continue
+            yield f"{title}, clips that are read", BELIEF, True, made.object_name
             predictions = {
                 BELIEF: belief_prediction(encoded.belief),
                 GENERATED: words_prediction(run.answerer, encoded),

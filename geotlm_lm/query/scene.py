@@ -35,6 +35,9 @@ from geotlm_lm.track.track import together_s
 ASLANT = 1 / 3
 """Share of a slide's lesser travel in its greater from which on both ways are told."""
 
+UNSURE = 0.5
+"""Probability of a component's way below which it is not told beside one that is surer."""
+
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
 
@@ -119,11 +122,17 @@ class Scene:
         is_known = self.belief.is_contact_known
         return Decision(self.part, self.frame, is_contact_known=is_known, **found)
 
+    def _goes(self, component: Component) -> float:
+        """Return how probable it is that a component moves and goes the way that is told."""
+        way = self.belief.way(component)
+        aslant = self._aslant(way) if component is Component.SLIDE else None
+        return self.belief.ways[way] + (self.belief.ways[aslant] if aslant else 0.0)
+
     def movement(self, component: Component) -> Movement:
         """Return a component as it is told."""
         belief, way = self.belief, self.belief.way(component)
         aslant = self._aslant(way) if component is Component.SLIDE else None
-        sure = belief.ways[way] + (belief.ways[aslant] if aslant else 0.0)
+        sure = self._goes(component)
         return Movement(
             way,
             aslant,
@@ -198,7 +207,8 @@ class Scene:
     def telling(self, asked: Sequence[Component] = ()) -> dict[str, object]:
         """Return what moves of what is asked, what of it does not, and what is so instead.
 
-        Where nothing is asked for by name, what moves barely is left out beside what does more.
+        Where nothing is asked for by name, what moves barely is left out beside what does more, and
+        what goes none of its ways more probably than not beside what does.
         """
         belief = self.belief
         touching = max(belief.contact, *map(belief.moves, COMPONENTS))
@@ -208,6 +218,7 @@ class Scene:
             return {"rest": Motion.NONE, "denied": tuple(asked), "probability": 1 - touching}
         moving = belief.by_size()
         main = [each for each in moving if not belief.is_barely(each)] or moving
+        main = [each for each in main if self._goes(each) >= UNSURE] or main
         named = [each for each in moving if each in asked] or main
         denied = tuple(each for each in asked if each not in moving)
         moves = tuple(self.movement(each) for each in named)

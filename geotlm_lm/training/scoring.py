@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,7 @@ from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.simulation.gels import GELS, TRAINING_GELS, Print
+from geotlm_lm.simulation.gels import GELS, HELD_OUT_GELS, TRAINING_GELS, Print
 from geotlm_lm.training.calibration import expected_calibration_error
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED
@@ -263,8 +263,7 @@ def _how_made(folder: Path, bundle: Bundle, seconds: float) -> str:
     fresh = TrainingPreset(**preset).fresh_clips
     pretrained_on = preset["pretraining_clips"] + preset["head_clips"] - fresh
     parameters = sum(weight.numel() for weight in bundle.motion.parameters())
-    teachers, steps = preset["reading_teachers"], preset["taught_steps"]
-    taught = f"by each of {teachers}, which taught it in {steps:,} more" if teachers else "once"
+    kinds, left_out = ("; ".join(gels) for gels in (TRAINING_GELS, HELD_OUT_GELS))
     size_mb = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 1e6
     return f"""\
 Answers questions about the motion of a touched object in a four-frame clip of a GelSight-like
@@ -272,6 +271,7 @@ sensor. Every weight was trained on simulated clips alone: {VARIED["mixed_share"
 turn, slide and press at once, {printed:.0%} are on gels that are printed on, {DAMAGED_SHARE:.0%}
 damaged by compression, a dim or drifting camera or a faint touch.
 
+- Gels: {kinds}. Left out of training, and judged on below: {left_out}.
 - Backbone: ViT, width {config.width}, {config.depth} layers, {config.heads} heads, one
   token for both time-bins of a patch, frozen after pretraining on {pretrained_on:,} simulated
   clips, each drawn as it is or seen in a mirror ({preset["pretraining_draws"]:,} draws), with the
@@ -284,13 +284,22 @@ damaged by compression, a dim or drifting camera or a faint touch.
   the measured motions.
 - Language model: trained from random weights, {preset["language_steps"]:,} steps of
   {preset["language_batch"]} questions.
-- Reader of questions: a decoder of its own, trained from random weights,
-  {preset["reading_steps"]:,} steps of {preset["reading_batch"]} questions that the grammar writes,
-  {taught}.
+- Reader of questions: a decoder of its own, {_reader_made(made["command"], preset)}.
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
   ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}, commit
   {made["commit"] or "unknown"}.
 - Size: {size_mb:.1f} MB, perception in half precision; computed in float32."""
+
+
+def _reader_made(command: str, preset: Mapping[str, Any]) -> str:
+    if " --reader " in command:
+        return "taken as it is from the bundle before this one"
+    teachers, steps = preset["reading_teachers"], preset["taught_steps"]
+    taught = f"by each of {teachers}, which taught it in {steps:,} more" if teachers else "once"
+    return (
+        f"trained from random weights, {preset['reading_steps']:,} steps of "
+        f"{preset['reading_batch']} questions that the grammar writes, {taught}"
+    )
 
 
 def _scores_text(scores: dict[str, Any]) -> str:
