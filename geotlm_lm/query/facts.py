@@ -7,6 +7,8 @@ from typing import Any
 
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query.quantities import FACTORS, Quantity
+from geotlm_lm.query.types import Fact
+from geotlm_lm.query.words import Words, number_word
 
 FACTS: dict[str, tuple[tuple[str, ...], int]] = {
     "mirrored": ((), 0),
@@ -29,6 +31,28 @@ understood."""
 
 _FIELD = {"seen": "viewpoint", "moves": "actor", "thread": "thread", "side": "contact_side"}
 _PLAIN = FrameSpec()
+
+
+def write_fact(fact: Fact) -> list[str]:
+    """Return a fact as its words."""
+    value = [] if fact.value is None else [fact.value]
+    return ["fact", *["not"] * fact.denied, fact.name, *value, *map(number_word, fact.numbers)]
+
+
+def read_fact(words: Words) -> Fact:
+    """Read the words of a fact behind "fact".
+
+    Raises:
+        Malformed: If they are none.
+    """
+    denied = words.optional("not") is not None
+    has_numbers = words.slots or any(":" in word for word in words.words)
+    names = [name for name, (_, count) in FACTS.items() if has_numbers or not count or denied]
+    name = words.take(*names)
+    values, count = FACTS[name]
+    value = words.optional(*values) if denied else words.take(*values) if values else None
+    numbers = () if denied else tuple(words.number() for _ in range(count))
+    return Fact(name, value, numbers, denied)
 
 
 def with_facts(frame: FrameSpec, facts: tuple[Any, ...], columns: int) -> FrameSpec:

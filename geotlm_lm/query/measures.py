@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import TOLERANCES
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import program as p
@@ -27,19 +26,12 @@ from geotlm_lm.query.evaluate import (
     moments,
 )
 from geotlm_lm.query.program import Expression
-from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
+from geotlm_lm.query.units import clock_unit, compared, constant, converted, in_length_of, scale_of
 from geotlm_lm.query.worlds import COUNT
 from geotlm_lm.track.events import TOGETHER_S
 
 RATE_S = 0.2
 """Time over which a speed is measured: less is noise."""
-
-
-def _constant(_: Context, quantity: Quantity) -> Numbers:
-    value, unit, per = in_base(quantity)
-    if quantity.unit.partition("/")[0] == "percent":
-        unit = "percent"
-    return Numbers(np.full(COUNT, value), f"{unit}/{per}" if per else unit)
 
 
 def _number(value: float):
@@ -67,19 +59,6 @@ def net(context: Context, component: Component) -> tuple[Floats, Floats]:
         context.trace.happenings[id(happening)] = happening
     unseen = np.where(moved[..., None], 0.0, worlds.unseen)
     return total + unseen, whole + np.abs(unseen)
-
-
-def scale_of(context: Context) -> tuple[str, tuple[float, float]]:
-    """Return "px" or "mm" and how many of it are a pixel of our square across and down."""
-    frame, recording = context.frame, context.evidence.recording
-    usual = "px" if frame.mm_per_px is None else "mm"
-    wanted = context.length if context.length in ("px", "mm") else usual
-    if wanted == "mm" and frame.mm_per_px is None:
-        raise Untold("scale")
-    size = frame.mm_per_px if wanted == "mm" else None
-    _, scale = travel_scale(recording.rows, recording.columns, size)
-    is_turned = context.view.rotation[0] == 0  # columns are rows then
-    return wanted, scale[::-1] if is_turned else scale
 
 
 def measured(context: Context, atom: str, twist: Floats) -> Numbers:
@@ -242,11 +221,6 @@ def _limit(context: Context, atom: str) -> Numbers:
     return found.also(np.abs(found.values))
 
 
-def clock_unit(context: Context) -> str:
-    """Return what a recording's clock counts: seconds, or frames where its rate is not known."""
-    return "s" if context.evidence.recording.rate_hz else "frame"
-
-
 def length_of(spot: Spot) -> Floats:
     """Return how long a span is in each world, (COUNT,)."""
     return np.broadcast_to(np.asarray(spot.end) - np.asarray(spot.begin), (COUNT,))
@@ -335,38 +309,6 @@ def _chance(context: Context, inner: Expression) -> Numbers:
     return Numbers(np.full(COUNT, 100 * float(share)), "percent", 2.0)
 
 
-def compared(context: Context, left: Expression, right: Expression) -> tuple[Numbers, Numbers]:
-    """Return two numbers in one unit: that of a constant where one is, else of the first."""
-    scaled = in_length_of(context, left, right)
-    one, two = evaluate(left, scaled), evaluate(right, scaled)
-    if left.value is not None and right.value is None:
-        two, one = _alike(scaled, two, one)
-        return one, two
-    return _alike(scaled, one, two)
-
-
-def _alike(context: Context, one: Numbers, two: Numbers) -> tuple[Numbers, Numbers]:
-    if not two.unit and one.unit:
-        return one, replace(two, unit=one.unit)
-    if not one.unit and two.unit:
-        return replace(one, unit=two.unit), two
-    return one, converted(context, two, one.unit)
-
-
-def in_length_of(context: Context, *expressions: Expression) -> Context:
-    """Return a context that measures as a number is: travel in mm or px, or a turn."""
-    for expression in expressions:
-        units = [inner.value.unit for inner in expression if isinstance(inner.value, Quantity)]
-        units += [inner.arguments[0] for inner in expression if inner.word == "unit"]
-        for unit in units:
-            plain = unit.partition("/")[0]
-            if plain in p.UNITS["length"]:
-                return replace(context, length="px" if plain == "px" else "mm")
-            if plain in p.UNITS["angle"]:
-                return replace(context, length="deg")
-    return context
-
-
 def _sum(sign: int):
     def added(context: Context, left: Expression, right: Expression) -> Numbers:
         one, two = compared(context, left, right)
@@ -431,48 +373,8 @@ def _per(context: Context, per: str, inner: Expression) -> Numbers:
     return converted(context, found, f"{top}/{per.removeprefix('per-')}")
 
 
-def converted(context: Context, numbers: Numbers, unit: str) -> Numbers:
-    """Return numbers in another unit.
-
-    Raises:
-        Untold: If it is one of something else, or needs a scale or a rate that is not known.
-    """
-    factor = _factor(context, numbers.unit, unit)
-    return numbers.also(numbers.values * factor, unit=unit, tolerance=numbers.tolerance * factor)
-
-
-def _factor(context: Context, have: str, wanted: str) -> float:
-    if have == wanted:
-        return 1.0
-    if "/" in have or "/" in wanted:
-        top, _, per = have.partition("/")
-        wanted_top, _, wanted_per = wanted.partition("/")
-        if not per or not wanted_per:
-            raise Untold("unit")
-        return _factor(context, top, wanted_top) / _factor(context, per, wanted_per)
-    for factors in FACTORS.values():
-        if have in factors and wanted in factors:
-            return factors[have] / factors[wanted]
-    times = FACTORS["time"]
-    if {have, wanted} & {"frame"} and {have, wanted} & times.keys():
-        rate = context.evidence.recording.rate_hz
-        if not rate:
-            raise Untold("rate")
-        return rate * times[have] if have in times else 1 / (rate * times[wanted])
-    lengths = FACTORS["length"]
-    if {have, wanted} & {"px"} and {have, wanted} & lengths.keys():
-        size = context.frame.mm_per_px
-        if size is None:
-            raise Untold("scale")
-        return lengths[have] / size if have in lengths else size / lengths[wanted]
-    raise Untold("unit")
-
-
-# Times, spans and events
-
-
 PRIMITIVES |= {
-    "#": _constant,
+    "#": constant,
     "in-unit": converted,
     "pi": _number(math.pi),
     "amount": _amount,

@@ -15,13 +15,14 @@ until `filled`.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS, Edit
-from geotlm_lm.query.facts import FACTS
-from geotlm_lm.query.types import Fact, Quantity, Slot
-from geotlm_lm.query.words import Malformed, Words
+from geotlm_lm.query import types as t
+from geotlm_lm.query.facts import FACTS, read_fact, write_fact
+from geotlm_lm.query.types import SETTINGS, TOPICS, UNANSWERABLE, UNITS, Fact, Quantity, Slot
+from geotlm_lm.query.words import Malformed, Words, number_word
 
 WAYS = ("cw", "ccw", "left", "right", "up", "down", "in", "out")
 COMPONENTS = ("turn", "slide", "press")
@@ -38,12 +39,6 @@ EVENTS = "-events"
 """Ends the word for all that happens of a kind: "cw-events"."""
 
 ASKED = ("all", *COMPONENTS, "x", "y", "thread", "sign")
-UNITS = {
-    "angle": ("deg", "rad", "turn", "arcmin"),
-    "length": ("px", "mm", "cm", "um", "inch", "thou"),
-    "time": ("s", "ms", "min", "frame"),
-    "share": ("percent",),
-}
 PER = {"per-s": 1.0, "per-ms": 0.001, "per-min": 60.0, "per-frame": None}
 """Times that an amount may be told per, in seconds; a frame's follows from the recording."""
 
@@ -52,14 +47,7 @@ COUNTS = tuple(map(str, range(13)))
 
 HALVES = ("upper", "lower", "left-half", "right-half")
 LABELS = (*"ABCDEF", *"123456", "-1", "0")
-TOPICS = ("duration", "frames", "rate", "interval", "size", "used", "scale")
-SETTINGS = ("frame", "mirrored", "turned", "mover", "thread", "side", "options")
-TALK = ("greeting", "thanks", "fine", "bye", "doubt", "who", "statement")
-UNANSWERABLE = (
-    "force", "identity", "material", "look", "size", "quality", "temperature", "sound", "future",
-    "advice", "cause", "place", "tilt", "axis", "world", "language", "off-topic",
-)  # fmt: skip
-"""What is asked that touch, or this program, cannot tell."""
+TALK = (*t.TALK, "statement")
 
 FORMS = (
     "sentence", "word", "letter", "number", "sign", "yes-no", "one-zero", "brief", "bare",
@@ -116,6 +104,7 @@ _PLAIN = {
     },
     "event": {
         **{which: ("events",) for which in ("first", "last", "largest", "longest", "fastest")},
+        **{which: ("events",) for which in ("smallest", "shortest", "slowest")},
         "nth": ("number", "events"),
         **{which: ("event", "events") for which in ("next", "previous")},
         "it": (),  # what was spoken of last
@@ -123,6 +112,7 @@ _PLAIN = {
     "span": {
         "recording": (),
         "contact": (),
+        "here": (),  # the span that is looked at: of an event that is picked, its own
         "between": ("time", "time"),
         **{which: ("number", "span") for which in ("initial", "final")},
         **{side: ("time",) for side in ("until", "since")},
@@ -203,6 +193,9 @@ def _accepted() -> dict[str, dict[str, tuple[str, ...]]]:
 
 ACCEPTED = _accepted()
 
+BETWEEN, END_OF_FIELDS = {"cases": "|", "fields": ","}, "end"
+"""What stands between cases, and between fields, which end as they may hold fields themselves."""
+
 _OTHERS = ("other", "unknown")
 """Cases such as "none of these" and "cannot tell"."""
 
@@ -271,7 +264,6 @@ class Program:
     answers: tuple[Expression, ...] = ()
     facts: tuple[Fact, ...] = ()
     form: str = "sentence"
-    texts: tuple[str, ...] = field(default=(), compare=False)
 
 
 def type_of(expression: Expression) -> str:
@@ -285,7 +277,7 @@ def type_of(expression: Expression) -> str:
 
 def write(program: Program) -> str:
     """Return a program as its line of words."""
-    clauses = [*map(_write_fact, program.facts)]
+    clauses = [*map(write_fact, program.facts)]
     clauses += [list(_written(answer)) for answer in program.answers]
     if program.form != "sentence":
         clauses.append(["as", program.form])
@@ -301,15 +293,16 @@ def _written(value: Argument) -> Iterator[str]:
     if isinstance(value, str):
         yield value
     elif isinstance(value, tuple):
+        is_fields = isinstance(value[0], Field)
         for place, item in enumerate(value):
             if place:
-                yield ","
-            label, inner = (
-                (item.label, item.holds) if isinstance(item, Case) else (item.key, item.answer)
-            )
+                yield BETWEEN["fields" if is_fields else "cases"]
+            label, inner = (item.key, item.answer) if is_fields else (item.label, item.holds)
             if label is not None:
                 yield _constant(label)
             yield from _written(inner)
+        if is_fields:
+            yield END_OF_FIELDS
     elif value.value is not None:
         yield _constant(value.value)
     else:
@@ -319,16 +312,9 @@ def _written(value: Argument) -> Iterator[str]:
 
 
 def _constant(value: str | Slot | Quantity | Text) -> str:
-    if isinstance(value, Slot):
-        return f"#{value.index}"
     if isinstance(value, Text):
         return f"@{value.index}"
-    return value if isinstance(value, str) else f"{value.value!r}:{value.unit}"
-
-
-def _write_fact(fact: Fact) -> list[str]:
-    value = [] if fact.value is None else [fact.value]
-    return ["fact", *["not"] * fact.denied, fact.name, *value, *map(_constant, fact.numbers)]
+    return value if isinstance(value, str) else number_word(value)
 
 
 def read(line: str, slots: int = MOST_SLOTS, texts: int = MOST_SLOTS) -> Program:
@@ -378,7 +364,7 @@ def _read(words: Words, texts: int) -> Program:
     form = "sentence"
     while True:
         if not answers and words.optional("fact"):
-            facts.append(_read_fact(words))
+            facts.append(read_fact(words))
         elif (answers or facts) and words.optional("as"):
             form = words.take(*FORMS[1:])
             break
@@ -393,8 +379,10 @@ def _read(words: Words, texts: int) -> Program:
 def _read_value(words: Words, wanted: str, texts: int) -> Argument:
     if wanted in ("cases", "fields"):
         reader, found = {"cases": _read_case, "fields": _read_field}[wanted], []
-        while not found or words.optional(",") is not None:
+        while not found or words.optional(BETWEEN[wanted]) is not None:
             found.append(reader(words, texts))
+        if wanted == "fields":
+            words.take(END_OF_FIELDS)
         return tuple(found)
     accepted = ACCEPTED[wanted]
     is_number = wanted in ("number", "answer")
@@ -432,17 +420,6 @@ def _read_case(words: Words, texts: int) -> Case:
 def _read_field(words: Words, texts: int) -> Field:
     key = words.optional(*_copied(texts))
     return Field(_read_value(words, "answer", texts), None if key is None else Text(int(key[1:])))
-
-
-def _read_fact(words: Words) -> Fact:
-    denied = words.optional("not") is not None
-    has_numbers = words.slots or any(":" in word for word in words.words)
-    names = [name for name, (_, count) in FACTS.items() if has_numbers or not count or denied]
-    name = words.take(*names)
-    values, count = FACTS[name]
-    value = words.optional(*values) if denied else words.take(*values) if values else None
-    numbers = () if denied else tuple(words.number() for _ in range(count))
-    return Fact(name, value, numbers, denied)
 
 
 def normal(value: Any) -> Any:
@@ -503,7 +480,7 @@ def filled(value: Any, quantities: Sequence[Quantity], texts: Sequence[str] = ()
 PROGRAM_WORDS = tuple(
     dict.fromkeys(
         (
-            *(";", ",", "as", "fact", "not"),
+            *(";", *BETWEEN.values(), END_OF_FIELDS, "as", "fact", "not"),
             *(f"{mark}{place + 1}" for mark in "#@" for place in range(MOST_SLOTS)),
             *(word for words in ACCEPTED.values() for word in words),
             *(*LABELS, *_OTHERS),

@@ -21,9 +21,10 @@ from geotlm_lm.query.evaluate import (
     middle,
     moments,
 )
-from geotlm_lm.query.measures import clock_unit, converted, length_of
+from geotlm_lm.query.measures import length_of
 from geotlm_lm.query.program import Expression
 from geotlm_lm.query.truths import ASLANT
+from geotlm_lm.query.units import clock_unit, converted
 from geotlm_lm.query.worlds import COUNT, Bools, Happening, Worlds, gaps, instant
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
@@ -99,6 +100,10 @@ def _recording(context: Context) -> Spot:
 
 def _contact(context: Context) -> Spot:
     return Spot(*context.contact)
+
+
+def _here(context: Context) -> Spot:
+    return Spot(*context.span)
 
 
 def _between(context: Context, early: Expression, late: Expression) -> Spot:
@@ -293,14 +298,25 @@ def _of_number(context: Context, k: Expression, inner: Expression) -> Spot:
     return _nth(context, evaluate(inner, context), evaluate(k, context).values)
 
 
-def _most(size: Callable[[Happening], Floats]):
+_SIZES: dict[str, Callable[[Happening], Floats]] = {
+    "largest": lambda each: each.path_px,
+    "longest": lambda each: np.asarray(each.end_s - each.begin_s),
+    "fastest": lambda each: each.path_px / max(each.end_s - each.begin_s, 1e-9),
+}
+_LEAST = dict(zip(("smallest", "shortest", "slowest"), _SIZES.values(), strict=True))
+
+
+def _most(size: Callable[[Happening], Floats], *, least: bool = False):
+    sign = -1.0 if least else 1.0
+
     def most(context: Context, inner: Expression) -> Spot:
         found = evaluate(inner, context)
         if not found.happenings:
             return _picked(context, found, np.full(COUNT, -1))
         sizes = np.array([np.broadcast_to(size(each), (COUNT,)) for each in found.happenings])
-        sizes = np.where(found.is_so, sizes, -1.0)
-        return _picked(context, found, np.where(sizes.max(axis=0) >= 0, sizes.argmax(axis=0), -1))
+        sizes = np.where(found.is_so, sign * sizes, -np.inf)
+        is_any = np.isfinite(sizes.max(axis=0))
+        return _picked(context, found, np.where(is_any, sizes.argmax(axis=0), -1))
 
     return most
 
@@ -330,6 +346,7 @@ PRIMITIVES |= {
     "last-time": lambda context, inner: _first_time(context, inner, is_last=True),
     "recording": _recording,
     "contact": _contact,
+    "here": _here,
     "between": _between,
     "initial": _initial,
     "final": _final,
@@ -340,9 +357,8 @@ PRIMITIVES |= {
     "first": _first,
     "last": _last,
     "nth": _of_number,
-    "largest": _most(lambda each: each.path_px),
-    "longest": _most(lambda each: np.asarray(each.end_s - each.begin_s)),
-    "fastest": _most(lambda each: each.path_px / max(each.end_s - each.begin_s, 1e-9)),
+    **{name: _most(size) for name, size in _SIZES.items()},
+    **{name: _most(size, least=True) for name, size in _LEAST.items()},
     "next": lambda context, one, others: _beside(context, one, others, is_next=True),
     "previous": lambda context, one, others: _beside(context, one, others, is_next=False),
     "such": _such,

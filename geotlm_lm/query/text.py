@@ -13,16 +13,12 @@ from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS, Edit
 from geotlm_lm.query import types as t
-from geotlm_lm.query.facts import FACTS
-from geotlm_lm.query.words import Malformed, Words
+from geotlm_lm.query.facts import FACTS, read_fact, write_fact
+from geotlm_lm.query.words import Malformed, Words, number_word
 
 LABELS = (*"ABCDEF", *"123456")
 _RELATIONS = {"more": ">", "less": "<", "about": "~", "between": "in-range"}
 _UNIT_WORDS = tuple(unit for units in t.UNITS.values() for unit in units)
-
-
-def _number(value: t.Number) -> str:
-    return f"#{value.index}" if isinstance(value, t.Slot) else f"{value.value!r}:{value.unit}"
 
 
 def _write_proposition(value: t.Proposition) -> list[str]:
@@ -32,7 +28,7 @@ def _write_proposition(value: t.Proposition) -> list[str]:
         if literal.bound is not None:
             numbers = (literal.bound.low, literal.bound.high)
             found.append(_RELATIONS[literal.bound.relation])
-            found += [_number(one) for one in numbers if one is not None]
+            found += [number_word(one) for one in numbers if one is not None]
     return found
 
 
@@ -140,7 +136,7 @@ def _write_subject(subject: t.Subject) -> list[str]:
     if (span := subject.span) is not None:
         numbers = [(word, one) for word, one in (("from", span.begin), ("to", span.end)) if one]
         found += [] if span.name is None else [_TIMES[span.name]]
-        found += [text for word, one in numbers for text in (word, _number(one))]
+        found += [text for word, one in numbers for text in (word, number_word(one))]
     return [*found, ">"] if found else []
 
 
@@ -198,25 +194,9 @@ def _write_part(part: t.Part) -> list[str]:
     return [*edit, *_write_subject(part.subject), *_write_ask(part.ask)]
 
 
-def _write_fact(fact: t.Fact) -> list[str]:
-    value = [] if fact.value is None else [fact.value]
-    return ["fact", *["not"] * fact.denied, fact.name, *value, *map(_number, fact.numbers)]
-
-
-def _read_fact(words: Words) -> t.Fact:
-    denied = words.optional("not") is not None
-    has_numbers = words.slots or any(":" in one for one in words.words)
-    names = [name for name, (_, count) in FACTS.items() if has_numbers or not count or denied]
-    name = words.take(*names)
-    values, count = FACTS[name]
-    value = words.optional(*values) if denied else words.take(*values) if values else None
-    numbers = () if denied else tuple(words.number() for _ in range(count))
-    return t.Fact(name, value, numbers, denied)
-
-
 def write(query: t.Query) -> str:
     """Return a query as its line of words."""
-    clauses = [*map(_write_fact, query.facts), *map(_write_part, query.parts)]
+    clauses = [*map(write_fact, query.facts), *map(_write_part, query.parts)]
     if query.form != "sentence":
         clauses.append(["as", query.form])
     return " ; ".join(" ".join(clause) for clause in clauses)
@@ -242,7 +222,7 @@ def _read(given: Sequence[str], slots: int) -> t.Query:
     form = "sentence"
     while True:
         if not parts and words.optional("fact"):
-            facts.append(_read_fact(words))
+            facts.append(read_fact(words))
         elif (parts or facts) and words.optional("as"):
             form = words.take(*t.FORMS[1:])
             break

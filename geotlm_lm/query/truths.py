@@ -28,9 +28,10 @@ from geotlm_lm.query.evaluate import (
     moments,
     of_clip,
 )
-from geotlm_lm.query.measures import compared, net, placed
+from geotlm_lm.query.measures import net, placed
 from geotlm_lm.query.program import Expression
 from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.units import compared
 from geotlm_lm.query.worlds import COUNT
 
 ASLANT = 1 / 3

@@ -64,3 +64,8 @@ class Words:
         """Require that no word is left."""
         if self.at < len(self.words):
             raise Malformed(self.words, self.at, sorted({*self.expected, END}))
+
+
+def number_word(value: t.Number) -> str:
+    """Return a number as `Words.number` reads it: "#2", or "12.5:deg"."""
+    return f"#{value.index}" if isinstance(value, t.Slot) else f"{value.value!r}:{value.unit}"

@@ -158,6 +158,8 @@ def test_a_share_is_a_time_over_a_time():
     ("count turn-events", 3, ""),
     ("count reverse-events", 2, ""),
     ("count such > amount turn 30.0:deg turn-events", 2, ""),
+    ("count such > length here 0.5:s turn-events", 3, ""),
+    ("count such > length here 2.0:s turn-events", 0, ""),
     ("within part 1 2 contact amount cw", 40 - 0, "deg"),
     ("within final 1.0:s contact amount cw", 40, "deg"),
     ("within between end first turn-events begin last turn-events amount cw", -15, "deg"),
@@ -196,7 +198,7 @@ def test_numbers_of_a_recording(line, value, unit):
     ("= count turn-events 3", True),
     ("and > amount cw 50.0:deg < amount cw 80.0:deg", True),
     ("in-range amount turn 50.0: 80.0:deg", True),
-    ("happens such > length contact 0.5:s still-events", True),
+    ("happens such > length here 0.5:s still-events", True),
     ("> within part 1 3 contact path turn within part 2 3 contact path turn", False),
 ])  # fmt: skip
 def test_truths_of_a_recording(line, holds):
@@ -239,7 +241,7 @@ def test_two_recordings_are_compared_by_the_same_operators():
 
 
 def test_own_labels_are_chosen_by_what_holds():
-    found = told("choose A > amount cw 30.0:deg , B other")
+    found = told("choose A > amount cw 30.0:deg | B other")
     assert isinstance(found, Choice)
     assert found.chosen == (0,)
 

@@ -13,10 +13,11 @@ from tests.query.programs import expressions
 LINES = (
     "cw",
     "within final #1 contact > speed turn #2",
-    "choose @1 > amount turn #1 , @2 other",
+    "choose @1 > amount turn #1 | @2 other",
     "fact mirrored ; fact scale #1 ; mirror way all ; unit mm amount slide ; as json",
-    "record @1 amount turn , @2 within part 2 2 contact happens slip-events ; as csv",
+    "record @1 amount turn , @2 within part 2 2 contact happens slip-events end ; as csv",
     "count such > amount turn #1 reverse-events",
+    "record choose A ccw | B cw , record turn , slide end , each turn-events way turn end",
     "/ of-first amount turn of-second amount turn",
     "not and cw or left touch",
     "at later begin contact #1 turn",
@@ -60,7 +61,7 @@ def test_what_may_follow_is_well_formed_to_the_end(data):
 
 
 def test_numbers_and_words_of_the_question_fill_their_slots():
-    program = p.read("record @1 > amount turn #2 , @2 amount slide")
+    program = p.read("record @1 > amount turn #2 , @2 amount slide end")
     filled = p.filled(program, (Quantity(1.0), Quantity(30.0, "deg")), ("angle", "far"))
     first, second = filled.answers[0].arguments[0]
     assert (first.key, second.key) == ("angle", "far")
@@ -78,3 +79,12 @@ def test_no_word_gives_two_types_where_any_may_stand():
     words = [word for name in p._ANSWERS for word in p._PLAIN[name]]
     assert len(words) == len(set(words))
     assert not set(words) & set(p._WRAPPERS)
+
+
+@pytest.mark.parametrize(("line", "normal"), [
+    ("mirror mirror cw", "cw"),
+    ("mirror half way all", "flip way all"),
+    ("record mirror mirror turn , undo turn end", "record turn , undo turn end"),
+])  # fmt: skip
+def test_views_are_written_in_their_shortest_words(line, normal):
+    assert p.write(p.normal(p.read(line))) == normal

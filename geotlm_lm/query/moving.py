@@ -1,0 +1,279 @@
+"""What moves in a span: each component as it is told, what does not, and what happens when.
+
+Told is what holds in most worlds; its probability is the share of worlds in which all of it does.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geotlm_lm.core.edit import opposite
+from geotlm_lm.core.labels import SLIDES, Motion
+from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
+from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component
+from geotlm_lm.motion.belief import PX_PER_MM, SPAN_DEVIATIONS
+from geotlm_lm.query import spans  # noqa: F401  (adds its primitives)
+from geotlm_lm.query.amounts import Measure, measure
+from geotlm_lm.query.evaluate import (
+    Context,
+    Floats,
+    Numbers,
+    Trace,
+    Untold,
+    middle,
+)
+from geotlm_lm.query.measures import measured, net
+from geotlm_lm.query.program import UNITS, of
+from geotlm_lm.query.truths import ASLANT, trait
+from geotlm_lm.query.values import (
+    Moved,
+    Movement,
+    Shown,
+)
+from geotlm_lm.query.worlds import COUNT, Happening, way_of
+
+LONGER = 1.25
+"""How many times as long as the net way the whole one is where that is told as well."""
+
+
+_NAMES = {
+    "cw": Motion.CLOCKWISE, "ccw": Motion.COUNTERCLOCKWISE, "left": Motion.LEFT,
+    "right": Motion.RIGHT, "up": Motion.UP, "down": Motion.DOWN, "in": Motion.PRESS,
+    "out": Motion.RELEASE,
+}  # fmt: skip
+
+
+_WORDS = {way: word for word, way in _NAMES.items()}
+
+
+def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tuple[Measure, float]:
+    """Return a number as it is told, and in which share of the worlds that is right."""
+    values = np.broadcast_to(numbers.values, (COUNT,))
+    known = is_so & np.isfinite(values)
+    if known.mean() < 0.5:
+        raise Untold(context.trace.reason or "none-such")
+    low, middle, high = np.quantile(values[known], (0.05, 0.5, 0.95))
+    if not numbers.unit and numbers.tolerance == 0:  # a count: the likeliest one
+        counts, often = np.unique(values[known], return_counts=True)
+        middle = counts[often.argmax()]
+    deviation = float(high - low) / (2 * SPAN_DEVIATIONS)
+    told = Measure(numbers.atom or "", float(middle), deviation, numbers.unit, numbers.tolerance)
+    far = np.maximum(numbers.tolerance, RELATIVE_TOLERANCE * np.abs(values)) * bool(numbers.unit)
+    far = np.where(numbers.unit == "" and numbers.tolerance > 0, numbers.tolerance, far)
+    if numbers.unit in UNITS["time"]:  # as exact as frames are
+        told = replace(told, decimals=_decimals(numbers.unit, context))
+    right = known & (np.abs(values - told.value) <= far + 1e-9)
+    return told, float(right.mean())
+
+
+def _decimals(unit: str, context: Context) -> int:
+    """Return with how many decimals a time is told, so that no frame has that of another."""
+    if unit in ("frame", "ms"):
+        return 0
+    recording = context.evidence.recording
+    step_s = recording.step_s or 1 / (recording.rate_hz or 1.0)
+    return max(1, math.ceil(-math.log10(step_s) - 1e-9)) + 2 * (unit == "min")
+
+
+def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
+    """Return what moves of what is asked, what of it does not, and what is so instead.
+
+    Where nothing is asked for by name, what moves barely is left out beside what does more.
+    """
+    belief = context.worlds.belief
+    touching = np.ones(COUNT)
+    if belief.is_contact_known:
+        touching = np.broadcast_to(trait(context, "touch"), (COUNT,))
+    else:
+        asked = tuple(each for each in asked if each is not Component.PRESS)
+    edit = context.view
+    if touching.mean() < 0.5:
+        return Moved(of=of("way", "all"), rest=Motion.NONE, denied=asked, edit=edit,
+                     probability=1 - float(touching.mean()))  # fmt: skip
+    found = {each: _movement(context, each) for each in COMPONENTS}
+    moving = {each: part for each, part in found.items() if part is not None}
+    main = [each for each, (move, _) in moving.items() if not move.barely] or list(moving)
+    named = [each for each in moving if each in asked] or main
+    named.sort(key=lambda each: -_path_px(context, each))
+    denied = tuple(each for each in asked if each not in moving)
+    right = np.ones(COUNT, bool)
+    for each in denied:
+        right &= np.broadcast_to(trait(context, each.value), (COUNT,)) == 0
+    limits = _limits(context, denied, is_at_rest=not named)
+    unmoved = {"denied": denied, "limits": limits, "edit": edit, "of": of("way", "all")}
+    if not named:
+        rest = float(np.broadcast_to(trait(context, "still"), (COUNT,)).mean())
+        return Moved(rest=Motion.STILL, probability=rest, **unmoved)
+    for each in named:
+        right &= moving[each][1]
+    movements = tuple(moving[each][0] for each in named)
+    return Moved(movements=movements, probability=float(right.mean()), **unmoved)
+
+
+def _movement(context: Context, component: Component) -> tuple[Movement, NDArray[np.bool_]] | None:
+    """Return a component as it is told and the worlds in which it is so; None where it rests."""
+    belief = context.worlds.belief
+    if component is Component.PRESS and not belief.is_contact_known:
+        return None
+    moves = np.broadcast_to(trait(context, component.value), (COUNT,)) > 0
+    if moves.mean() < 0.5:
+        return None
+    twist = np.broadcast_to(net(context, component)[0], (COUNT, 4))
+    mean = twist[moves].mean(axis=0)
+    along = {way: float(mean @ _axis(way)) for way in WAYS[component]}
+    way = max(along, key=along.__getitem__)
+    aslant = _aslant(along, way) if component is Component.SLIDE else None
+    goes = [np.broadcast_to(trait(context, _WORDS[each]), (COUNT,)) > 0
+            for each in (way, aslant) if each is not None]  # fmt: skip
+    right = moves & np.any(goes, axis=0)
+    path = float(np.median(_paths(context, component, twist)[moves]))
+    barely = path < (BARELY_MM if component is Component.PRESS else BARELY_PX)
+    amount = whole = None
+    if belief.readable.get(component, True):
+        amount, _ = spread(measured(context, component.value, twist), moves, context)
+        there = measured(context, component.value, net(context, component)[1])
+        back_and_forth, _ = spread(there, moves, context)
+        is_longer = back_and_forth.mean >= LONGER * amount.mean and context.worlds.is_timed
+        whole = back_and_forth if is_longer and component is not Component.PRESS else None
+    return Movement(way, aslant, amount, float(right.mean()), barely,
+                    _ends(context, component), whole), right  # fmt: skip
+
+
+def _axis(way: Motion) -> Floats:
+    signs = {Motion.CLOCKWISE: (0, 1), Motion.COUNTERCLOCKWISE: (0, -1), Motion.RIGHT: (1, 1),
+             Motion.LEFT: (1, -1), Motion.DOWN: (2, 1), Motion.UP: (2, -1),
+             Motion.PRESS: (3, 1), Motion.RELEASE: (3, -1)}  # fmt: skip
+    place, sign = signs[way]
+    axis = np.zeros(4)
+    axis[place] = sign
+    return axis
+
+
+def _aslant(along: dict[Motion, float], way: Motion) -> Motion | None:
+    others = [each for each in SLIDES if each not in (way, opposite(way))]
+    other = max(others, key=along.__getitem__)
+    return other if along[way] > 0 and ASLANT * along[way] <= along[other] else None
+
+
+def _paths(context: Context, component: Component, twist: Floats) -> Floats:
+    radius = max(context.worlds.belief.radius_px, 1.0)
+    if component is Component.TURN:
+        return np.abs(np.radians(twist[:, 0])) * radius
+    return (
+        np.hypot(twist[:, 1], twist[:, 2]) if component is Component.SLIDE else np.abs(twist[:, 3])
+    )
+
+
+def _path_px(context: Context, component: Component) -> float:
+    """Return how far a component moves the imprint, by which what is larger comes first."""
+    twist = np.broadcast_to(net(context, component)[1], (COUNT, 4))
+    return float(np.median(_paths(context, component, twist))) * (
+        PX_PER_MM if component is Component.PRESS else 1.0
+    )
+
+
+def _ends(context: Context, component: Component) -> tuple[float, float] | None:
+    """Return from when to when a component moves in the span."""
+    if not context.worlds.is_timed:
+        return None
+    begin, end = (middle(context, each) for each in context.span)
+    inside = [
+        (max(each.begin_s, begin), min(each.end_s, end))
+        for each in context.worlds.motions(component)
+        if each.probability >= 0.5 and each.begin_s < end and each.end_s > begin
+    ]
+    return (min(a for a, _ in inside), max(b for _, b in inside)) if inside else None
+
+
+def _limits(context: Context, denied: tuple[Component, ...], *, is_at_rest: bool):
+    """Return how far what does not move would have to go to be seen."""
+    belief, recording = context.worlds.belief, context.evidence.recording
+    if not belief.limits:
+        return ()
+    # What the picture does not tell, an edge's travel along itself, has no limit.
+    seen, slide = belief.at_limit, Component.SLIDE
+    both = [part for part in (slide, Component.TURN) if belief.readable.get(part, True)]
+    parts = [part for part in denied if belief.readable.get(part, True)]
+    if is_at_rest and slide not in parts and slide in both:
+        # Neither turns nor slides: the larger path stands for both.
+        path = max(belief.limits[part] for part in both)
+        seen = replace(seen, mean=replace(seen.mean, right_px=path))
+        parts.append(slide)
+    found = []
+    for part in parts:
+        is_scaled = part is slide and context.frame.mm_per_px is not None
+        units = ("px", "mm") if is_scaled else (None,)
+        found.append((part, tuple(
+            measure(part.value, seen, context.frame, recording, unit) for unit in units
+        )))  # fmt: skip
+    return tuple(found)
+
+
+def moved_along(context: Context, axis: str) -> Moved:
+    """Return what is told of a slide's part along one axis of the image."""
+    found = moved(context, (Component.SLIDE,))
+    if found.rest or found.denied:
+        return found
+    moving = np.broadcast_to(trait(context, axis), (COUNT,)) > 0
+    if moving.mean() < 0.5:
+        right = min(found.probability, 1 - float(moving.mean()))
+        return replace(found, still_axis=axis, probability=right)
+    twist = np.broadcast_to(net(context, Component.SLIDE)[0], (COUNT, 4))
+    ways = {"x": (Motion.LEFT, Motion.RIGHT), "y": (Motion.UP, Motion.DOWN)}[axis]
+    goes = {way: (twist @ _axis(way) > 0) & moving for way in ways}
+    way = max(goes, key=lambda each: goes[each].mean())
+    amount, _ = spread(measured(context, axis, twist), moving, context)
+    right = float(goes[way].mean())
+    move = Movement(way, None, amount, right, barely=False)
+    return replace(found, movements=(move,), probability=right)
+
+
+def moved_on_thread(context: Context) -> Moved:
+    """Return whether a turn tightens or loosens its thread.
+
+    Raises:
+        Untold: If a fact on the thread lacks.
+    """
+    turn = moved(context, (Component.TURN,))
+    if turn.rest or turn.denied:
+        return turn  # neither tightens nor loosens
+    chances = {word: float(np.mean(trait(context, word))) for word in ("tighten", "loosen")}
+    word = max(chances, key=chances.__getitem__)
+    return replace(turn, tightens=word == "tighten", probability=chances[word])
+
+
+def shown_in(context: Context, at_s: float | None = None) -> tuple[Shown, ...]:
+    """Return what an answer has looked at of what likely happens; of a moment what goes on."""
+    found = context.trace.happenings.values() if context.worlds.is_timed else ()
+    if at_s is not None:
+        found = [each for each in found if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9]
+    return tuple(shown(context, each) for each in sorted(found, key=lambda each: each.begin_s)
+                 if each.probability >= 0.5)  # fmt: skip
+
+
+def story_of(context: Context) -> tuple[Shown, ...]:
+    """Return all that likely happens in the span, by when it begins."""
+    if not context.worlds.is_timed:
+        return ()
+    begin, end = (middle(context, each) for each in context.span)
+    likely = [each for each in context.worlds.happenings if each.probability >= 0.5]
+    inside = [each for each in likely if each.end_s >= begin and each.begin_s <= end]
+    return tuple(shown(context, each) for each in inside)
+
+
+def shown(context: Context, happening: Happening) -> Shown:
+    """Return a happening as it is told."""
+    is_real = happening.is_real
+    mean = happening.twist[is_real].mean(axis=0) if is_real.any() else np.zeros(4)
+    amount = None
+    if happening.component is not None and happening.begin_s < happening.end_s:
+        numbers = measured(context, happening.component.value, happening.twist)
+        amount, _ = spread(numbers, is_real, replace(context, trace=Trace(reason="none-such")))
+    path = float(np.median(happening.path_px[is_real])) if is_real.any() else 0.0
+    way = way_of(happening.kind, mean)
+    return Shown(happening.kind, way, happening.begin_s, happening.end_s, amount, path,
+                 happening.probability)  # fmt: skip
