@@ -53,6 +53,7 @@ from geotlm_lm.query.values import (
     Value,
 )
 from geotlm_lm.query.worlds import COUNT
+from geotlm_lm.track.events import TOGETHER_S
 
 
 def answers(program: Program, clips: tuple[Evidence, ...], frame: FrameSpec) -> tuple[Value, ...]:
@@ -209,7 +210,7 @@ def _times(expression: Expression, context: Context) -> Value:
         return Times(of=expression, times_s=(), probability=1 - float(known.mean()),
                      edit=placed.view)  # fmt: skip
     at = float(np.median(found[known]))
-    near = known & (np.abs(found - at) <= 0.2)
+    near = known & (np.abs(found - at) <= TOGETHER_S)
     return Times(of=expression, times_s=(at,), probability=float(near.mean()), edit=placed.view,
                  shown=shown_in(placed, at))  # fmt: skip
 
@@ -221,7 +222,7 @@ def _event(expression: Expression, context: Context) -> Value:
     if known.mean() < 0.5:
         raise Untold(context.trace.reason or "none-such")
     ends = tuple(float(np.median(each[known])) for each in (begin, end))
-    right = known & (np.abs(begin - ends[0]) <= 0.2)
+    right = known & (np.abs(begin - ends[0]) <= TOGETHER_S)
     _, placed = _placed(expression, context)
     return Times(of=expression, times_s=ends, probability=float(right.mean()), edit=placed.view,
                  shown=shown_in(placed, sum(ends) / 2))  # fmt: skip

@@ -16,9 +16,9 @@ from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component
 from geotlm_lm.motion.belief import PX_PER_MM, SPAN_DEVIATIONS
-from geotlm_lm.query import spans  # noqa: F401  (adds its primitives)
 from geotlm_lm.query.amounts import Measure, measure
 from geotlm_lm.query.evaluate import (
+    WAY,
     Context,
     Floats,
     Numbers,
@@ -29,6 +29,7 @@ from geotlm_lm.query.evaluate import (
 from geotlm_lm.query.measures import measured, net
 from geotlm_lm.query.program import UNITS, of
 from geotlm_lm.query.truths import ASLANT, trait
+from geotlm_lm.query.types import WAY_ATOMS
 from geotlm_lm.query.values import (
     Moved,
     Movement,
@@ -40,14 +41,7 @@ LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
 
 
-_NAMES = {
-    "cw": Motion.CLOCKWISE, "ccw": Motion.COUNTERCLOCKWISE, "left": Motion.LEFT,
-    "right": Motion.RIGHT, "up": Motion.UP, "down": Motion.DOWN, "in": Motion.PRESS,
-    "out": Motion.RELEASE,
-}  # fmt: skip
-
-
-_WORDS = {way: word for word, way in _NAMES.items()}
+_WORDS = {way: word for word, way in WAY_ATOMS.items()}
 
 
 def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tuple[Measure, float]:
@@ -144,13 +138,7 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
 
 
 def _axis(way: Motion) -> Floats:
-    signs = {Motion.CLOCKWISE: (0, 1), Motion.COUNTERCLOCKWISE: (0, -1), Motion.RIGHT: (1, 1),
-             Motion.LEFT: (1, -1), Motion.DOWN: (2, 1), Motion.UP: (2, -1),
-             Motion.PRESS: (3, 1), Motion.RELEASE: (3, -1)}  # fmt: skip
-    place, sign = signs[way]
-    axis = np.zeros(4)
-    axis[place] = sign
-    return axis
+    return np.array(WAY[_WORDS[way]][1], dtype=float)
 
 
 def _aslant(along: dict[Motion, float], way: Motion) -> Motion | None:

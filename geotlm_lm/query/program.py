@@ -173,8 +173,6 @@ _WRAPPERS: Mapping[str, tuple[str, ...]] = {
 _ANSWERS = ("bool", "number", "time", "event", "way", "label", "record", "talk")
 """Types of what can be asked for."""
 
-_NEVER_WRAPPED = (*_NAMES, "cases", "fields")
-
 
 def _accepted() -> dict[str, dict[str, tuple[str, ...]]]:
     """Return the words that each type may begin with, and what each takes."""

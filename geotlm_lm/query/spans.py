@@ -173,7 +173,7 @@ def events(context: Context, kind: str) -> Events:
         found.append(happening)
         masks.append(np.broadcast_to(is_so & is_inside, (COUNT,)))
         context.trace.happenings[id(happening)] = happening
-    return Events(tuple(found), np.array(masks).reshape(len(masks), COUNT))
+    return Events(tuple(found), np.array(masks, dtype=bool).reshape(len(masks), COUNT))
 
 
 def _events(kind: str):

@@ -40,6 +40,7 @@ def test_a_program_read_back_from_its_words_is_itself(expression):
 @settings(max_examples=40, deadline=None)
 def test_every_word_of_a_program_is_among_those_that_may_follow(expression):
     words = p.written(expression).split()
+    assert {word for word in words if ":" not in word} <= set(p.PROGRAM_WORDS)
     for place, word in enumerate(words):
         if ":" not in word:
             assert word in p.next_words(words[:place], 0)
