@@ -111,7 +111,8 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
     """Return what a clip and the same clip played backwards make one believe of its turn and slide.
 
     A motion turns round with the clip; what a growing contact looks like does not, and cancels.
-    How far the two are apart widens the spread. A way that only one of them finds hardly counts.
+    How far the two are apart widens the spread. A way that only one of them finds hardly counts;
+    one that both find is told, however far apart they are in how far.
     Press and contact stay as they are.
     """
     other = backwards.seen(BACKWARDS)
@@ -134,6 +135,9 @@ def fused(belief: Belief, backwards: Belief) -> Belief:
     )
     alone = replace(both, covariance=(belief.covariance + other.covariance) / 2)
     for component, part in ((Component.TURN, slice(0, 1)), (Component.SLIDE, slice(1, 3))):
+        is_seen_twice = min(belief.moves(component), other.moves(component)) >= 0.5
+        if is_seen_twice and belief.way(component) is other.way(component):
+            continue
         moves, own = both.moves(component), alone.deviation(component)
         apart = float(np.linalg.norm(gap[part])) / 2**0.5
         reaches_zero = SPAN_DEVIATIONS * math.hypot(apart, own) > both.amount(component)

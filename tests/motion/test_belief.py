@@ -92,6 +92,15 @@ def test_a_way_that_does_not_turn_round_with_the_clip_hardly_counts():
     assert fused(slanting, lifting).moves(Component.SLIDE) > 0.9
 
 
+def test_a_turn_that_both_directions_of_play_show_is_told_however_far_apart_they_are():
+    there = believed(Twist(17.0), clockwise=0.97)
+    less_far = believed(Twist(-3.0), counterclockwise=0.95)
+    found = fused(there, less_far)
+    assert found.moves(Component.TURN) > 0.9
+    assert found.way(Component.TURN) is Motion.CLOCKWISE
+    assert found.deviation(Component.TURN) > there.deviation(Component.TURN)
+
+
 def believed(twist, covariance=None, **counts):
     ways = {way: 0.0 for ways in WAYS.values() for way in ways}
     ways |= {Motion(way): share for way, share in counts.items()}
