@@ -7,7 +7,7 @@ world can tell is `Untold`, with its reason. Truths, measures and spans each add
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -25,8 +25,8 @@ from geotlm_lm.query.worlds import COUNT, Happening, Worlds
 
 Floats = NDArray[np.float64]
 
-GRID = 2_000
-"""Moments that are looked at together."""
+GRID = 512
+"""Moments that are looked at together: what is over before them is added once for all of them."""
 
 WAY = {
     "cw": (Component.TURN, (1, 0, 0, 0)),
@@ -291,6 +291,22 @@ def moments(context: Context, inner: Expression):
         part = times[first : first + GRID]
         found = evaluate(inner, replace(context, now=part[:, None]))
         yield part, np.broadcast_to(np.nan_to_num(found), (len(part), COUNT)) > 0
+
+
+def inside(context: Context, component: Component) -> Iterator[tuple[Happening, Floats]]:
+    """Yield what moves of a component in a span, up to a moment, and the share of it inside.
+
+    What is over before all moments comes first, with one share a world for all of them.
+    """
+    begin, end = context.span
+    end = end if context.now is None else context.now
+    first, last = np.min(end), np.max(end)
+    for happening in sorted(context.worlds.motions(component), key=lambda each: each.end_s):
+        if happening.begin_s >= last or happening.end_s <= np.min(begin):
+            continue
+        until = 1.0 if happening.end_s <= first else happening.share_at(end)
+        yield happening, np.maximum(until - happening.share_at(begin), 0.0)
+        context.trace.happenings[id(happening)] = happening
 
 
 PRIMITIVES |= {

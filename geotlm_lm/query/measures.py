@@ -22,6 +22,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     evaluate,
     grid,
+    inside,
     middle,
     moments,
 )
@@ -44,21 +45,18 @@ def net(context: Context, component: Component) -> tuple[Floats, Floats]:
     Both are (..., COUNT, 4); the whole motion is the path of each of its numbers, there and back.
     """
     context.trace.components[component] = None
-    worlds = context.worlds
     begin, end = context.span
-    if context.now is not None:
-        end = context.now
-    shape = (*np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,)), 4)
-    total, whole = np.zeros(shape), np.zeros(shape)
-    moved = np.zeros(shape[:-1], bool)
-    for happening in worlds.motions(component):
-        share = np.asarray(happening.share_at(end) - happening.share_at(begin))
-        part = np.maximum(share, 0.0)[..., None] * happening.twist
+    end = end if context.now is None else context.now
+    shape = np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,))
+    # Adding what is over costs as many numbers as there are worlds, not moments times worlds.
+    total, whole, moved = np.zeros((COUNT, 4)), np.zeros((COUNT, 4)), np.zeros(COUNT, bool)
+    for happening, share in inside(context, component):
+        part = share[..., None] * happening.twist
         total, whole = total + part, whole + np.abs(part)
         moved = moved | (happening.is_real & (share > 0))
-        context.trace.happenings[id(happening)] = happening
-    unseen = np.where(moved[..., None], 0.0, worlds.unseen)
-    return total + unseen, whole + np.abs(unseen)
+    unseen = np.where(moved[..., None], 0.0, context.worlds.unseen)
+    shape = (*shape, 4)
+    return np.broadcast_to(total + unseen, shape), np.broadcast_to(whole + np.abs(unseen), shape)
 
 
 def measured(context: Context, atom: str, twist: Floats) -> Numbers:
@@ -122,15 +120,11 @@ def _path(context: Context, atom: str) -> Numbers:
     atom = _atom(context, atom)
     _require_readable(context, atom)
     component = COMPONENT[atom]
-    begin, end = context.span
-    end = end if context.now is None else context.now
     still = measured(context, atom, np.zeros((COUNT, 4)))
     total = still.values
-    for happening in context.worlds.motions(component):
-        share = np.maximum(happening.share_at(end) - happening.share_at(begin), 0.0)
-        part = measured(context, atom, np.asarray(share)[..., None] * happening.twist)
+    for happening, share in inside(context, component):
+        part = measured(context, atom, share[..., None] * happening.twist)
         total = total + np.maximum(part.values, 0.0)
-        context.trace.happenings[id(happening)] = happening
     context.trace.components[component] = None
     return still.also(total)
 

@@ -25,6 +25,7 @@ from geotlm_lm.query.evaluate import (
     Floats,
     Untold,
     evaluate,
+    inside,
     moments,
     of_clip,
 )
@@ -78,16 +79,16 @@ def _touched(context: Context) -> Floats:
 
 def _parts(context: Context, component: Component):
     """Yield what moves of a component: in which worlds, and the share of it that lies inside."""
+    if context.now is None:
+        for happening, share in inside(context, component):
+            least = np.minimum(MOVING_PX, 0.999 * happening.path_px)
+            yield happening, happening.is_real & (share * happening.path_px >= least), share
+        return
+    now = np.asarray(context.now)
     for happening in context.worlds.motions(component):
-        if context.now is not None:
-            now = np.asarray(context.now)
-            inside = (happening.begin_s <= now) & (now <= happening.end_s)
-            yield happening, happening.is_real & inside, 1.0
-            continue
-        begin, end = context.span
-        share = happening.share_at(end) - happening.share_at(begin)
-        least = np.minimum(MOVING_PX, 0.999 * happening.path_px)
-        yield happening, happening.is_real & (share * happening.path_px >= least), share
+        if happening.begin_s <= np.max(now) and happening.end_s >= np.min(now):
+            goes_on = (happening.begin_s <= now) & (now <= happening.end_s)
+            yield happening, happening.is_real & goes_on, 1.0
 
 
 def _moves(context: Context, component: Component) -> Floats:

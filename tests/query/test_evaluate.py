@@ -8,11 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.query import evaluate as evaluating
 from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answer, answers
 from geotlm_lm.query.evaluate import Untold, evaluate
 from geotlm_lm.query.program import Case, of
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Times, Truth, Unknown
+from geotlm_lm.query.worlds import Happening
 from tests.query.programs import (
     context_of,
     evidence,
@@ -253,15 +255,21 @@ def test_a_doubtful_small_motion_does_not_make_a_sure_large_one_doubtful():
     assert found.probability > 0.95
 
 
-@pytest.mark.slow
-def test_cost_grows_no_faster_than_the_recording():
-    import time
+def test_cost_grows_no_faster_than_the_recording(monkeypatch):
+    """Of four times as many frames and turns four times as many shares are looked up, no more."""
+    monkeypatch.setattr(evaluating, "GRID", 128)
+    share_at, looked_up = Happening.share_at, []
 
-    seconds = []
-    for turns in (10, 40):
+    def counted(happening, time_s):
+        looked_up.append(np.size(time_s))
+        return share_at(happening, time_s)
+
+    monkeypatch.setattr(Happening, "share_at", counted)
+    sums = []
+    for turns in (20, 80):
         clip = of_track(turning([15.0, -15.0] * (turns // 2)))
-        began = time.process_time()
-        for line in ("first-time > amount cw 10.0:deg", "share turn", "path turn"):
+        looked_up.clear()
+        for line in ("first-time > amount cw 10.0:deg", "time-while > amount turn 5.0:deg"):
             told(line, clip)
-        seconds.append(time.process_time() - began)
-    assert seconds[1] < 3 * 4 * seconds[0]
+        sums.append(sum(size for size in looked_up if size > 1))
+    assert 3 < sums[1] / sums[0] < 5
