@@ -44,7 +44,7 @@ def simulating(tmp_path):
 @in_proc
 def test_ctrl_c_while_simulating_ends_everything_with_one_sentence(simulating, tmp_path):
     os.killpg(simulating.pid, signal.SIGINT)  # as a terminal does: to every process
-    out, err = simulating.communicate(timeout=20)
+    out, err = simulating.communicate(timeout=60)
     assert simulating.returncode == 130
     assert out == ""
     assert err.splitlines() == [
