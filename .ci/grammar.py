@@ -12,12 +12,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import islice
 
-from geotlm_lm.benchmarks.questions import VIEWS, cell_of
+from geotlm_lm.benchmarks.reading import primitive_of
 from geotlm_lm.query.grammar import SPLITS, Pair, grammar
-from geotlm_lm.query.text import read
-from geotlm_lm.query.types import ASKS
-
-SUBJECTS = ("clip", "half", "span")
+from geotlm_lm.query.program import PROGRAM_WORDS
 
 
 @dataclass(frozen=True)
@@ -25,30 +22,27 @@ class Coverage:
     """What a number of pairs holds.
 
     Args:
-        views: Pairs of each ask, "fact" where nothing is asked, from each point of view.
-        subjects: Pairs of each ask about another clip, a half of the contact or a span of time.
-        ambiguous: Text -> the queries it is written for, where these are several.
+        first: Pairs that ask each primitive first, "fact" where nothing is asked.
+        anywhere: Pairs that hold each word of programs.
+        ambiguous: Text -> the programs it is written for, where these are several.
     """
 
-    views: Counter[tuple[str, str]]
-    subjects: Counter[tuple[str, str]]
+    first: Counter[str]
+    anywhere: Counter[str]
     ambiguous: dict[str, tuple[str, ...]]
 
 
 def coverage(pairs: Iterable[Pair]) -> Coverage:
     """Return what these pairs hold."""
-    views: Counter[tuple[str, str]] = Counter()
-    subjects: Counter[tuple[str, str]] = Counter()
+    first: Counter[str] = Counter()
+    anywhere: Counter[str] = Counter()
     meant: dict[str, set[str]] = {}
     for pair in pairs:
-        parts = read(pair.query).parts
-        ask, view = cell_of(parts)
-        views[ask, view] += 1
-        for name in SUBJECTS:
-            subjects[ask, name] += any(getattr(one.subject, name) is not None for one in parts)
+        first[primitive_of(pair.query)] += 1
+        anywhere.update(set(pair.query.split()))
         meant.setdefault(pair.text.lower(), set()).add(pair.query)
-    several = {text: tuple(sorted(all_)) for text, all_ in meant.items() if len(all_) > 1}
-    return Coverage(views, subjects, several)
+    several = {text: tuple(sorted(lines)) for text, lines in meant.items() if len(lines) > 1}
+    return Coverage(first, anywhere, several)
 
 
 def main() -> None:
@@ -60,21 +54,19 @@ def main() -> None:
     parser.add_argument("--split", choices=SPLITS, help="families of one split alone")
     asked = parser.parse_args()
     pairs = list(islice(grammar().pairs(asked.seed, asked.split), asked.pairs))
-    for one in pairs[: asked.sample]:
-        print(f"{one.text}\n    {one.query}    [{', '.join(one.families)}]")
+    for pair in pairs[: asked.sample]:
+        print(f"{pair.text}\n    {pair.query}    [{', '.join(pair.families)}]")
     print(as_table(coverage(pairs)))
 
 
 def as_table(held: Coverage) -> str:
     """Return a coverage as a table, and the texts that mean two things."""
-    columns = (*VIEWS, *SUBJECTS)
-    lines = [f"{'':14} " + " ".join(f"{one:>11}" for one in columns)]
-    for ask in ("fact", *ASKS):
-        counts = [held.views[ask, one] for one in VIEWS]
-        counts += [held.subjects[ask, one] for one in SUBJECTS]
-        lines.append(f"{ask:14} " + " ".join(f"{one or '-':>11}" for one in counts))
+    lines = [f"{'':16} {'first':>8} {'anywhere':>8}"]
+    for word in PROGRAM_WORDS:
+        first, anywhere = held.first[word], held.anywhere[word]
+        lines.append(f"{word:16} {first or '-':>8} {anywhere or '-':>8}")
     lines.append(f"\n{len(held.ambiguous)} texts mean two things")
-    lines += ["\n    ".join((text, *all_)) for text, all_ in sorted(held.ambiguous.items())]
+    lines += ["\n    ".join((text, *held.ambiguous[text])) for text in sorted(held.ambiguous)]
     return "\n".join(lines)
 
 

@@ -143,7 +143,7 @@ class Api:
     def evidence(
         self, recording: p.Recording, frames: p.Frames = None, topic: p.Topic = None
     ) -> p.EvidenceFields:
-        """Return the geometry a recording's answers rest on, without asking the language model.
+        """Return the geometry a recording's answers rest on, without a question.
 
         Returns contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """

@@ -130,7 +130,7 @@ class Talking:
 
 
 def _sentence(answer: Any) -> str:
-    if answer.abstained or not answer.options or answer.kind == "how-sure":  # in its own words
+    if answer.abstained or not answer.options or answer.kind == "talk":  # how sure it is, in words
         return answer.text
     return f"{answer.text}  ({100 * answer.confidence:.0f} % sure)"
 
@@ -151,7 +151,7 @@ def _verdicts(answer: Any, details: dict[str, Any], opinions: dict[str, Any]) ->
     far = f"{turn:+.1f} degrees, {right:+.1f} px right, {down:+.1f} px down"
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
-        ["language model", details.get("direction") or "-", answer.text],
+        ["answer", details.get("direction") or "-", answer.text],
         ["linear probe", answer.edit.of_way(Motion(probe["motion"])).value, sure],
         ["optical flow", answer.edit.of_way(Motion(flow["motion"])).value, far],
     ]
@@ -165,9 +165,9 @@ def _band(answerer: Answerer, details: dict[str, Any]) -> str:
     share = details.get("evidence", {}).get("contact_share", 0.0)
     side = "withheld" if details.get("abstained") else "told"
     return (
-        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, and no motion, "
-        f"verdict or choice that is less than {LEAST_SURE:.0%} sure, nor that nothing touches a "
-        f"gel that has changed: this answer is **{side}**."
+        f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, nor that "
+        f"nothing touches a gel that has changed. What is less than {LEAST_SURE:.0%} sure is a "
+        f"guess: this answer is **{side}**."
     )
 
 

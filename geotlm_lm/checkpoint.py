@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from geotlm_lm.language.generation import Speaker
     from geotlm_lm.language.parse_answer import AnswerGrammar
 
-BUNDLE_FORMAT = 9
+BUNDLE_FORMAT = 10
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"

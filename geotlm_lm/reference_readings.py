@@ -1,6 +1,6 @@
 """Read the motion of a clip by two other methods: the linear probe, and flow with a rigid fit.
 
-Both are shown beside the language model's words, so that a reader sees whether they agree.
+Both are shown beside the answer, so that a reader sees whether they agree.
 """
 
 from __future__ import annotations

@@ -1,7 +1,6 @@
 """The seam for people and programs: load once, encode a clip once, ask many questions.
 
-A question is read into a `Query`, decided exactly from what is believed of the clip, and told: in
-the language model's own words where it would write just that, else by rule.
+A question is read into a `Program`, evaluated exactly on what is believed of the clip, and told.
 """
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why

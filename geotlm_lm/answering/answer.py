@@ -10,7 +10,8 @@ from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.query.amounts import Measure
-from geotlm_lm.query.types import Query
+from geotlm_lm.query.program import Program
+from geotlm_lm.query.values import Value
 
 
 @dataclass(frozen=True)
@@ -32,19 +33,20 @@ class Answer:
         evidence: Contact share, the view the grid covers (pixels of a 224-pixel image), and per
             region of it the learned shear change (x right, y down, unitless) and contact mass.
         timing_ms: Milliseconds of each stage that ran; a stage that is missing did not run.
-        kind: What was asked, a key of `query.types.ASKS`; "fact" where nothing was.
+        kind: The type of what was asked first: "bool", "number", "time", "event", "way", "label",
+            "record" or "talk"; "fact" where nothing was.
         frames_used: Numbers of the four frames in the recording.
         notes: What was guessed or chosen on the way, one sentence each.
         decided: The word that this answer is, such as "yes", "clockwise" or "13 deg": what a
             program reads. None when nothing was decided.
-        told_by: Whose sentence it is: the language model's own, or a rule's that follows from what
-            is believed.
+        told_by: Whose sentence it is: by rule, from what is believed.
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
             question asks something else or there is no such amount.
-        motion: Every component at once, in the camera image, whatever was asked.
-        query: How the question was understood, in the words of `query.text`.
+        motion: Every component at once, whatever was asked, in the frame that `direction` is in.
+        query: How the question was understood, in the words of `query.program`.
         understood: Probability that it was, in [0, 1].
-        resumed: The query itself, for what is asked next.
+        resumed: The program itself, for what is asked next.
+        values: What everything that was asked comes to, in its order.
         point_of_view: That was named last, in words; None where none was.
     """
 
@@ -60,19 +62,19 @@ class Answer:
     frames_used: tuple[int, ...]
     notes: tuple[str, ...] = ()
     decided: str | None = None
-    told_by: Literal["model", "rule"] = "rule"
+    told_by: Literal["rule"] = "rule"
     amount: Measure | None = None
     motion: MeasuredMotion | None = None
     query: str = ""
     understood: float = 1.0
-    resumed: Query = field(default_factory=Query)
+    resumed: Program = field(default_factory=Program)
     point_of_view: str | None = None
+    values: tuple[Value, ...] = ()
 
     @property
     def edit(self) -> Edit:
         """The point of view that `direction` is told from: the frame's and the question's."""
-        asked = self.resumed.parts[0].edit if self.resumed.parts else Edit()
-        return asked.within(self.frame.edit)
+        return self.values[0].edit if self.values else self.frame.edit
 
     @property
     def in_the_image(self) -> Motion | None:
@@ -130,7 +132,7 @@ class Comparison:
     decided: str | None
     kind: str
     frame: FrameSpec
-    resumed: Query
+    resumed: Program
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain JSON values."""

@@ -8,11 +8,8 @@ from pathlib import Path
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
-from geotlm_lm.answering.asking import answer, says
 from geotlm_lm.answering.belief_of_clip import belief_of
-from geotlm_lm.answering.comparing import compare
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.own_words import own_evidence
 from geotlm_lm.answering.perceiving import (
     perceive_clip,
     perceive_recording,
@@ -21,18 +18,16 @@ from geotlm_lm.answering.perceiving import (
     with_found_idle,
     with_idle_of,
 )
+from geotlm_lm.answering.pipeline import Asked, compared, respond, understand
 from geotlm_lm.answering.reasons import reasoning_steps
 from geotlm_lm.answering.session import Session
-from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
-from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.recordings.scene_checks import scene_of
@@ -153,10 +148,7 @@ class Answerer:
         """
         encoded = self.believing(encoded)
         require_frame(frame)
-        found = understand(
-            self.bundle.reader, check_question(question), says=lambda one: says(one, frame, encoded)
-        )
-        return answer(self.bundle, encoded, found, frame)
+        return respond(Asked(self.bundle, (encoded,), frame), check_question(question))
 
     def compare(
         self,
@@ -174,56 +166,28 @@ class Answerer:
             UsageError: If the question is empty or too long.
             TypeError: If a clip is not encoded, the question no text, or the frame none.
         """
-        clips = (self.believing(first), self.believing(second))
         require_frame(frame)
-        found = understand(
-            self.bundle.reader, check_question(question), says=lambda one: says(one, frame, *clips)
-        )
-        return compare(self.bundle, clips, found, frame)
+        asked = Asked(self.bundle, (self.believing(first), self.believing(second)), frame)
+        typed = check_question(question)
+        return compared(asked, understand(self.bundle.reader, typed, None, asked))
 
     def why(self, encoded: Encoded, answer: Answer) -> Why:
-        """Return the reasons for `answer`: by rule from the geometry, and in the model's words.
-
-        A model trained for evidence says where the halves go, what adds up and what it concludes;
-        the rules say beside it what was measured of every component, amounts and spans, and whether
-        one speaks against the answer. Words that conclude another motion than what is believed
-        are not said.
+        """Return the reasons for `answer`, by rule from the geometry.
 
         Raises:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
         """
         encoded = self.believing(encoded)
         require_answer(answer)
-        edits = {part.edit for part in answer.resumed.parts} or {Edit()}
-        is_plain = edits == {Edit()}
-        as_recorded, direction = answer.frame.edit.inverse(), answer.direction
-        motion = None if direction is None else as_recorded.of_way(direction)
-        is_as_seen = answer.frame.edit == Edit()
+        motion = answer.in_the_image
+        is_as_seen = answer.edit == Edit()
         place, *steps, conclusion = reasoning_steps(
-            answer.evidence, answer.text, motion if is_plain else None, is_as_seen=is_as_seen
+            answer.evidence, answer.text, motion, is_as_seen=is_as_seen
         )
         frame = f"The answer is told in this frame: {answer.frame.summary()}."
         measured = [] if answer.motion is None else [answer.motion.sentence()]
-        own = () if answer.abstained else self._own_reasons(encoded)
-        if not own:
-            source = "by rule, from the geometry the model read; not in its own words"
-            return Why((place, *steps, *measured, frame, conclusion), source)
-        steps[0] = f"Measured: {steps[0][:1].lower()}{steps[0][1:]}"
-        many = "sentence 2" if len(own) == 1 else f"sentences 2 to {len(own) + 1}"
-        source = f"{many} in the model's words, the others by rule from the geometry it read"
-        return Why((place, *own, *steps, *measured, frame, conclusion), source)
-
-    def _own_reasons(self, encoded: Encoded) -> tuple[str, ...]:
-        """Return the model's own sentences of evidence; none where it has none that may be told."""
-        belief = encoded.belief
-        ways = frozenset(belief.way(one) for one in COMPONENTS if belief.moves(one) >= 0.5)
-        own = own_evidence(self.bundle, encoded, ways or frozenset({Motion.STILL}))
-        if own is None:
-            return ()
-        concluded = self.bundle.grammar.parse(own).direction
-        if self.bundle.calibration.withholds(concluded, encoded.contact_share):
-            return ()
-        return tuple(f"{step.removesuffix('.')}." for step in own.split(". "))
+        source = "by rule, from the geometry the model read"
+        return Why((place, *steps, *measured, frame, conclusion), source)
 
 
 def _require_clip(clip: object, what: str) -> None:

@@ -10,24 +10,26 @@ import numpy as np
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.reasons import contact_place, halves
 from geotlm_lm.query.amounts import Recording
-from geotlm_lm.query.decision import ContactArea, Evidence
+from geotlm_lm.query.evaluate import ContactArea, Evidence
+from geotlm_lm.query.worlds import worlds_of_clip, worlds_of_track
 
 
-def evidence_of(encoded: Encoded, other: Encoded | None = None) -> Evidence:
-    """Return what answers about a clip, or about it and another, rest on."""
-    values = encoded.regions
+def evidence_of(encoded: Encoded, seed: int = 0) -> Evidence:
+    """Return what answers about a clip rest on.
+
+    Args:
+        encoded: The clip.
+        seed: Of its possible worlds; clips that are compared have different ones.
+    """
+    values, track = encoded.regions, encoded.track
     reasons = (
         f"{_capitalised(contact_place(values['regions'], values['contact_share']))}.",
         f"{_capitalised(halves(values['regions']))}.",
     )
-    return Evidence(
-        encoded.belief,
-        None if other is None else evidence_of(other),
-        recording_of(encoded),
-        encoded.track,
-        None if encoded.is_untouched else _area(encoded, values),
-        reasons,
-    )
+    belief = encoded.belief
+    worlds = worlds_of_clip(belief, seed) if track is None else worlds_of_track(track, belief, seed)
+    area = None if encoded.is_untouched else _area(encoded, values)
+    return Evidence(worlds, recording_of(encoded), area, reasons)
 
 
 def recording_of(encoded: Encoded) -> Recording:

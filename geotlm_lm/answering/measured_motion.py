@@ -15,7 +15,7 @@ from geotlm_lm.query.phrases import amount_phrase
 
 @dataclass(frozen=True)
 class MeasuredMotion:
-    """The motion from the first frame used to the last, as the camera image shows it.
+    """The motion from the first frame used to the last, in the frame that the answer is told in.
 
     Args:
         measures: Of each component how far it goes: degrees, pixels of the recording's frames or mm

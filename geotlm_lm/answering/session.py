@@ -7,23 +7,14 @@ from typing import Any, Protocol
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
-from geotlm_lm.answering.asking import answer, says
-from geotlm_lm.answering.comparing import compare
-from geotlm_lm.answering.deciding import frame_after, of_two
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.understanding import Understood, understand
+from geotlm_lm.answering.pipeline import Asked, Understood, answer, compared, understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.query.types import Query
+from geotlm_lm.query.program import Program, asks_of_two, head_of, type_of
 
 Reply = Answer | Comparison
-
-_REFER_BACK = (
-    *("talk", "help", "setup", "recording", "why", "how-sure", "alternatives"),
-    *("unanswerable", "not-understood"),
-)
-"""Asks that leave what was asked before as it is: "thanks", "why?", "and in radians?"."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +36,7 @@ class Turn:
     answer: Reply
     frame: FrameSpec
     encoded: Encoded | None
-    before: Query
+    before: Program
     named: str | None
     place: int
 
@@ -81,7 +72,7 @@ class Session:
         self.clips = [answerer.believing(encoded)]
         self.frame = frame
         self.history: list[Turn] = []
-        self._before = Query()
+        self._before = Program()
         self._named: str | None = None
 
     @property
@@ -141,51 +132,46 @@ class Session:
             UsageError: If the question is empty or too long.
         """
         typed = check_question(question)
-        bundle, clips = self.answerer.bundle, self.clips[-2:]
-        found = understand(
-            bundle.reader, typed, self._before, lambda one: says(one, self.frame, *clips)
-        )
+        clips = tuple(self.clips[-2:])
+        asked = Asked(self.answerer.bundle, clips, self.frame, self._named)
+        found = understand(asked.bundle.reader, typed, self._before, asked)
         about_last = self._about_last(found)
         if about_last is not None:
             reply: Reply = about_last
-        elif len(clips) == 2 and of_two(found.query):
-            reply = compare(bundle, (clips[0], clips[1]), found, self.frame)
+        elif len(clips) == 2 and any(map(asks_of_two, found.program.answers)):
+            reply = compared(asked, found)
         else:
-            other = clips[0] if len(clips) == 2 else None
-            reply = answer(bundle, self.encoded, found, self.frame, other, self._named)
+            reply = answer(asked, found)
         place = len(self.clips) - 1
         turn = Turn(typed, reply, self.frame, self.encoded, self._before, self._named, place)
         self.history.append(turn)
         if isinstance(reply, Answer):
             self._named = reply.point_of_view or self._named
         if found.ask_back is None:
-            columns = self.encoded.clip.frames.shape[2]
-            self.frame = frame_after(found.query, self.frame, columns)
-        if found.query.parts and found.query.parts[0].ask.kind not in _REFER_BACK:
-            self._before = found.query
+            self.frame = asked.frame_after(found.program)
+            if _asks(found.program):
+                self._before = found.program
         return reply
 
     def _about_last(self, found: Understood) -> Answer | None:
-        """Return what is said of the last answer about this clip: how sure, how near, and why."""
+        """Return what is told of the last answer about this clip: how sure, how near, and why."""
         turn = self._last_turn
-        if turn is None or turn.place != len(self.clips) - 1:
+        if turn is None or turn.place != len(self.clips) - 1 or found.ask_back is not None:
             return None
-        last, parts = turn.answer, found.query.parts
-        if not isinstance(last, Answer) or len(parts) != 1 or found.ask_back is not None:
+        last, asked = turn.answer, found.program.answers
+        if not isinstance(last, Answer) or len(asked) != 1 or found.program.form != "sentence":
             return None
-        ask = parts[0].ask
-        if ask.kind not in ("why", "how-sure") or ask.proposition is not None:
-            return None
-        if ask.kind == "why":
+        word = asked[0].word
+        if word == "why":
             text = " ".join(self.answerer.why(turn.encoded or self.encoded, last).steps)
-        elif ask.of_amount and last.amount is not None:
+        elif word == "sure-amount" and last.amount is not None:
             low, high = last.amount.span
             text = f"Nine times in ten it is {low:g} to {high:g} {last.amount.unit}."
-        elif last.abstained:
-            text = last.text
+        elif word in ("sure", "sure-amount"):
+            text = last.text if last.abstained else f"About {last.confidence:.0%}: {last.text}"
         else:
-            text = f"About {last.confidence:.0%}: {last.text}"
-        return replace(last, text=text, kind=ask.kind, told_by="rule", query=found.line)
+            return None
+        return replace(last, text=text, kind="talk", query=found.line)
 
     def take_back(self, question: str) -> None:
         """Forget the last turn, if this was its question, and what it said about the frame."""
@@ -201,4 +187,9 @@ class Session:
 
 
 def _is_about_clip(reply: Reply) -> bool:
-    return reply.kind not in ("fact", *_REFER_BACK)
+    return reply.kind not in ("fact", "talk")
+
+
+def _asks(program: Program) -> bool:
+    """Tell whether what is asked is what a follow-up leans on: "thanks" and "why?" are not."""
+    return any(type_of(head_of(answer)) != "talk" for answer in program.answers)

@@ -1,100 +1,144 @@
-"""Decide whether an answer is given or withheld, for want of contact, reference or certainty."""
+"""Decide what a recording tells, and what is withheld for want of contact, reference or certainty.
+
+This is the one place: of each value, a record's fields among them, either it is told or `Unknown`
+stands in its place with the reason.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
 
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.decision import Decision
-from geotlm_lm.recordings.idle import CONTACT_UNKNOWN
-
-UNRECOGNISED = (
-    "I cannot tell: the gel has changed by more than noise, but I recognise no touch in it; press "
-    "harder, or record the idle gel again."
+from geotlm_lm.query.program import EVENTS, TWO_CLIPS, Expression, head_of
+from geotlm_lm.query.values import (
+    Choice,
+    Moved,
+    Movement,
+    Placed,
+    Record,
+    Remark,
+    Truth,
+    Unknown,
+    Value,
 )
-"""Said in place of a claim that nothing touches."""
-
-NOTHING_CHANGES = (
-    "Nothing moves in these frames; whether anything touches the gel I cannot tell without an idle "
-    "frame: begin a recording before the touch, or give one as its background."
-)
-"""Said in place of "it is still" and "nothing touches" where the idle gel is a guess. Of 111 idle
-starts of real recordings without their idle frame 96 were told as a still touch, 79 of them at 0.9
-or more, and 106 as touching."""
-
-OF_CONTACT = frozenset({"touch", "none", "press", "in", "out", "made", "lost"})
-"""Atoms that say whether, or how deep, something touches."""
 
 LEAST_SURE = 0.5
-"""Probability below which an answer is withheld: it would more likely be wrong than right."""
+"""Probability below which an answer is only a guess: it would more likely be wrong than right."""
 
-_OF_MOTION = ("way", "kind", "claim", "choice", "amount", "place", "compare", "which-clip")
-"""Asks whose answers are withheld; what else is asked is told whatever its probability."""
+OF_CONTACT = frozenset({"touch", "none", "press", "in", "out"})
+"""Words of a program that ask whether, or how deep, something touches."""
 
-
-_OF_NO_PICTURE = ("recording", "setup", "again", "help", "talk", "unanswerable", "not-understood")
-"""Asks that are answered of any picture, be it a gel's or not."""
+_OF_MOTION = frozenset({"move", "turn", "slide"})
 
 
-def why_withheld(bundle: Bundle, encoded: Encoded, decision: Decision) -> str | None:
-    """Return what is said in place of a decision; None where it is told, or told as a guess."""
-    kind = decision.part.ask.kind
-    if encoded.suspicion and kind not in _OF_NO_PICTURE:
-        return f"I cannot tell. {encoded.suspicion}"
-    if decision.missing is not None:
-        return None
-    if not encoded.is_contact_known and _tells_contact(decision):
-        return CONTACT_UNKNOWN
-    if kind not in _OF_MOTION:
-        return None
-    ways = [one.way for one in decision.movements if one.way in DIRECTED]
+def told_or_not(value: Value, clips: tuple[Encoded, ...], bundle: Bundle) -> Value:
+    """Return a value, or why the recording that it is of does not tell it.
+
+    Args:
+        value: What was asked comes to.
+        clips: One, or two that follow each other.
+        bundle: Knows how much contact each direction needs.
+    """
+    if isinstance(value, Record):
+        fields = ((key, told_or_not(each, clips, bundle)) for key, each in value.fields)
+        return replace(value, fields=tuple(fields))
+    for encoded in looked_at(value, clips):
+        reason, detail = _why_withheld(value, encoded, bundle)
+        if reason is not None:
+            return Unknown(of=value.of, reason=reason, detail=detail, edit=value.edit)
+    return value
+
+
+def is_guess(value: Value) -> bool:
+    """Tell whether a value is more likely wrong than right."""
+    if isinstance(value, Record):
+        return any(is_guess(each) for _, each in value.fields)
+    is_asked_for = head_of(value.of).word in ("why", "sure", "alternatives", "why-of", "sure-of")
+    return value.is_known and not is_asked_for and value.probability < LEAST_SURE
+
+
+def looked_at(value: Value, clips: tuple[Encoded, ...]) -> tuple[Encoded, ...]:
+    """Return the clips that a value tells of."""
+    if len(clips) == 1:
+        return clips
+    words = {each.word for each in value.of}
+    firsts = words & {"of-first", "of-previous"}
+    if value.clip == "first" or (firsts and value.of.word in firsts):
+        return clips[:1]
+    return clips if words & set(TWO_CLIPS) or firsts else clips[-1:]
+
+
+def _why_withheld(value: Value, encoded: Encoded, bundle: Bundle) -> tuple[str | None, str]:
+    """Return the name of a reason of `replies.toml`, and what it says besides."""
+    if isinstance(value, Remark):
+        return None, ""
+    if encoded.suspicion:
+        return "suspicion", encoded.suspicion
+    if not value.is_known:
+        return None, ""
+    words = set(_words(value))
+    moves = tuple(_movements(value))
+    if not encoded.is_contact_known and _tells_contact(value, words, moves):
+        return "contact", ""
+    ways = [move.way for move in moves if move.way in DIRECTED]
     if encoded.track is None and any(
         bundle.calibration.withholds(way, encoded.contact_share) for way in ways
     ):
-        return (
-            f"I cannot name a direction: I see next to no contact "
-            f"(mask {encoded.contact_share:.3f})."
-        )
-    if _lacks_reference(encoded, decision):
-        return NOTHING_CHANGES
-    return UNRECOGNISED if encoded.is_changed and _denies_contact(decision) else None
+        return "mask", f"(mask {encoded.contact_share:.3f})."
+    if _lacks_reference(value, words, encoded):
+        return "reference", ""
+    # What changes a recording in which a touch is recognised is that touch.
+    is_unexplained = encoded.is_changed and encoded.belief.contact < LEAST_SURE
+    return ("unrecognised" if is_unexplained and _denies_contact(value) else None), ""
 
 
-def tentative(text: str, sure: float) -> str:
-    """Return a sentence as a guess, where its probability is too small."""
-    return f"I cannot tell for sure, {sure:.0%}: {text}"
+def _tells_contact(value: Value, words: set[str], moves: tuple[Movement, ...]) -> bool:
+    """Tell whether a value says that something touches or not, where, or that it presses."""
+    moved = {move.component for move in moves}
+    return isinstance(value, Placed) or Component.PRESS in moved or bool(words & OF_CONTACT)
 
 
-def _lacks_reference(encoded: Encoded, decision: Decision) -> bool:
-    """Tell whether an answer judges contact without a reference image of the idle gel.
+def _lacks_reference(value: Value, words: set[str], encoded: Encoded) -> bool:
+    """Tell whether a value judges contact without a reference image of the idle gel.
 
     Whether anything moves may be told all the same: nothing does.
     """
-    atoms = _atoms(decision)
     is_lacking = encoded.is_static or not encoded.is_contact_known
-    if not is_lacking or (atoms and atoms <= {"move", "starts", "stops"}):
+    if not is_lacking or (isinstance(value, Truth) and words and words <= _OF_MOTION):
         return False
-    return decision.rest is not None or bool(atoms & {"touch", "none"})
+    return _rest(value) is not None or bool(words & {"touch", "none"})
 
 
-def _tells_contact(decision: Decision) -> bool:
-    """Tell whether an answer says that something touches or not, where, or that it presses."""
-    ask = decision.part.ask
-    # An option that is so is told whatever else was offered; that none is so denies them all.
-    told = [ask.options[k] for k in decision.options] if decision.options else ask.options
-    chosen = {one.atom for option in told for one in option.proposition.literals}
-    atoms = _atoms(decision) | chosen | {ask.of, ask.then}
-    moved = {one.component for one in decision.movements} | set(decision.denied)
-    return ask.kind == "place" or Component.PRESS in moved or bool(atoms & OF_CONTACT)
+def _denies_contact(value: Value) -> bool:
+    is_denied = isinstance(value, Truth) and value.of.word == "touch" and not value.holds
+    return is_denied or _rest(value) is Motion.NONE
 
 
-def _denies_contact(decision: Decision) -> bool:
-    is_plain = not decision.times  # a touch too short, or too seldom, is seen
-    is_denied = is_plain and _atoms(decision) == {"touch"} and decision.verdict is False
-    return decision.rest is Motion.NONE or is_denied
+def _moved(value: Value) -> Moved | None:
+    return value if isinstance(value, Moved) else getattr(value, "motion", None)
 
 
-def _atoms(decision: Decision) -> set[str]:
-    proposition = decision.part.ask.proposition
-    return set() if proposition is None else {one.atom for one in proposition.literals}
+def _movements(value: Value) -> Iterator[Movement]:
+    moved = _moved(value)
+    return iter(() if moved is None else moved.movements)
+
+
+def _rest(value: Value) -> Motion | None:
+    moved = _moved(value)
+    return None if moved is None else moved.rest
+
+
+def _words(value: Value) -> Iterator[str]:
+    """Yield what a program speaks of; of options those that hold, not what else was offered."""
+    asked: tuple[Expression, ...] = (value.of,)
+    head = head_of(value.of)
+    if isinstance(value, Choice) and value.chosen and head.word in ("choose", "choose-not"):
+        asked = tuple(head.arguments[0][place].holds for place in value.chosen)
+    for expression in asked:
+        for each in expression:
+            yield each.word.removesuffix(EVENTS)
+            yield from (name for name in each.arguments if isinstance(name, str))

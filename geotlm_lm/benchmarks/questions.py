@@ -1,4 +1,4 @@
-"""Questions: every type asked about simulated and real clips, and whether they are understood.
+"""Questions: every type asked about simulated and real clips.
 
 The truth is worked out from labels and frames alone, apart from the rules that answer by them, so
 that a wrong rule is a wrong answer.
@@ -6,10 +6,8 @@ that a wrong rule is a wrong answer.
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -21,7 +19,7 @@ from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.edit import EDIT_WORDS, MIRRORED, opposite
+from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import (
     DIRECTED,
@@ -36,17 +34,12 @@ from geotlm_lm.data.labelled_recordings import LabelledRecordings
 from geotlm_lm.data.questions import QuestionAnswer, askable_types, questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.parse_answer import Slots
-from geotlm_lm.query.grammar import Pair, corpus, grammar
-from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
-from geotlm_lm.query.text import read
-from geotlm_lm.query.types import THREAD_ATOMS, Part
+from geotlm_lm.query import values
+from geotlm_lm.query.program import Expression, head_of
 from geotlm_lm.training.calibration import expected_calibration_error
 
 DECLINED = ("refusal", "comparison")
 """Kinds that one clip cannot answer."""
-
-OF_A_RECORDING = ("when", "how-long", "how-often", "unanswerable")
-"""What a question with a premise may ask that four frames cannot tell; nothing is claimed then."""
 
 AT_REST = (Motion.STILL, Motion.NONE)
 
@@ -63,16 +56,6 @@ AMOUNTS, THREAD = ("T7", "T8"), "T13"
 
 SIDES, THREADS = ("head", "shank", "side", None), ("right", "left", None)
 """What is known of a thread."""
-
-EXACT, KIND = "exact query", "kind of ask"
-SURE, PAIRS, SEEN_PAIRS = 0.8, 2000, 40_000
-
-EACH = 20
-"""Questions read of each ask from each point of view, at most."""
-
-PLAIN, SEVERAL = "as it is", "several"
-VIEWS = (PLAIN, *EDIT_WORDS, SEVERAL)
-"""Points of view that something is asked from."""
 
 
 @dataclass(frozen=True)
@@ -148,8 +131,8 @@ def _thread_truth(motion: Motion, frame: FrameSpec) -> Truth:
 
 def is_right(answer: Answer, truth: Truth) -> bool:
     """Whether `answer` decides and claims what it should; an amount within its tolerance."""
-    if truth.kind == "premise" and answer.kind in OF_A_RECORDING:
-        return answer.abstained
+    if truth.kind == "premise" and answer.values and all(map(_is_untold, answer.values)):
+        return answer.abstained  # when, how long or how often: four frames claim nothing
     if truth.kind == "order" and answer.abstained:  # one clip shows no order, but a motion
         return True
     if answer.abstained != truth.abstains:
@@ -169,25 +152,35 @@ def is_right(answer: Answer, truth: Truth) -> bool:
     if truth.kind == "thread":
         return _is_right_of_thread(answer, truth.decided)
     if truth.is_so is not None:
-        return answer.decided == ("yes" if truth.is_so != _denies(answer) else "no")
+        return answer.decided == ("yes" if truth.is_so != _claim(answer)[1] else "no")
     return truth.decided in (None, answer.decided)
 
 
-def _denies(answer: Answer) -> bool:
-    """Whether an answer's yes is to the contrary of what was claimed: "is it not turning?"."""
-    proposition = answer.resumed.parts[0].ask.proposition
-    return proposition is not None and proposition.denies
+def _is_untold(value: values.Value) -> bool:
+    """Whether a value is of what only a recording that was followed tells, or no touch does."""
+    return getattr(value, "reason", "") == "track" or getattr(value, "kind", "") == "cannot"
+
+
+def _claim(answer: Answer) -> tuple[Expression, bool]:
+    """Return what was claimed, and whether a yes is to the contrary: "is it not turning?"."""
+    claimed, denies = head_of(answer.resumed.answers[0]), False
+    while claimed.word == "not":
+        claimed, denies = head_of(claimed.arguments[0]), not denies
+    return claimed, denies
 
 
 def _is_right_of_thread(answer: Answer, truth: str) -> bool:
-    """Whether a thread was judged right: asked openly, or whether it tightens."""
-    proposition = answer.resumed.parts[0].ask.proposition
-    if proposition is None:
-        decided = answer.decided or ""
-        is_named = decided.startswith(THREAD_ATOMS)
-        return not is_named if truth == "neither" else decided.startswith(truth)
-    holds = (proposition.literals[0].atom == truth) != _denies(answer)
-    return answer.decided == ("yes" if holds else "no")
+    """Whether a thread was judged right: asked openly, of several, or whether it tightens."""
+    value = answer.values[0]
+    if isinstance(value, values.Truth):
+        claimed, denies = _claim(answer)
+        return value.holds == ((claimed.word == truth) != denies)
+    if isinstance(value, values.Choice):
+        cases = head_of(value.of).arguments[0]
+        words = [cases[place].holds.word for place in value.chosen]
+        return words == [truth] if truth != "neither" else not {"tighten", "loosen"} & {*words}
+    names = {True: "tighten", False: "loosen", None: "neither"}
+    return isinstance(value, values.Moved) and names[value.tightens] == truth
 
 
 def claim_of(asked: QuestionAnswer) -> Motion:
@@ -295,87 +288,17 @@ def calibration(asked: Sequence[Asked]) -> dict[str, Any]:
     }
 
 
-def _reading_rows(run: Run) -> Iterator[Row]:
-    some, pairs = run.size(10_000, 40), grammar().pairs(run.seed, "test")
-    sets = {
-        "grammar, families held out": _labelled(islice(pairs, run.size(PAIRS, 60))),
-        "corpus, families held out": _labelled(corpus("test")),
-        "blind": labelled(BLIND)[:some],
-        "set-ups": labelled(SET_UPS)[:some],
-        "tune": labelled(TUNE)[:some],
-    }
-    for name, questions in sets.items():
-        run.progress(f"reading, {name}", 0, 1)
-        readings = [run.answerer.bundle.reader.read(question.text) for question in questions]
-        exact = [q.is_met(r.line) for q, r in zip(questions, readings, strict=True)]
-        kinds = [q.has_kinds(r.line) for q, r in zip(questions, readings, strict=True)]
-        families = [str(place) for place in range(len(questions))]
-        detail = _doubt(np.array([r.probability for r in readings]), np.array(exact))
-        yield share_row(name, EXACT, exact, families, run.seed, detail=detail)
-        yield share_row(name, KIND, kinds, families, run.seed)
-    yield from _seen_rows(run)
-
-
-def _seen_rows(run: Run) -> Iterator[Row]:
-    """Yield what is read of families that were trained on, by ask and point of view."""
-    cells: dict[tuple[str, str], list[Pair]] = defaultdict(list)
-    for pair in islice(grammar().pairs(run.seed + 1, "train"), run.size(SEEN_PAIRS, 500)):
-        cell = cells[cell_of(read(pair.query).parts)]
-        if len(cell) < run.size(EACH, 1):
-            cell.append(pair)
-    reader = run.answerer.bundle.reader
-    for ask in sorted({ask for ask, _ in cells}):
-        run.progress(f"reading, seen families, {ask}", 0, 1)
-        for view in VIEWS:
-            questions = _labelled(cells.get((ask, view), ()))
-            exact = [question.is_met(reader.read(question.text).line) for question in questions]
-            if exact:
-                yield Row(ask, view, len(exact), 1 - sum(exact) / len(exact))
-
-
-def cell_of(parts: Sequence[Part]) -> tuple[str, str]:
-    """Return what the first part of a query asks ("fact": nothing), and from which of `VIEWS`."""
-    if not parts:
-        return "fact", PLAIN
-    edits = parts[0].edit.words
-    view = edits[0] if len(edits) == 1 else SEVERAL if edits else PLAIN
-    return parts[0].ask.kind, view
-
-
-def _labelled(pairs: Iterator[Pair] | Sequence[Pair]) -> list[Labelled]:
-    return [Labelled(pair.text, (pair.query,)) for pair in pairs]
-
-
-def _doubt(sure: np.ndarray, exact: np.ndarray) -> dict[str, float]:
-    is_sure = sure >= SURE
-    return {
-        "mean_stated": float(sure.mean()),
-        "calibration_error": expected_calibration_error(sure, exact),
-        "sure": float(is_sure.mean()),
-        "sure_and_wrong": float((is_sure & ~exact).sum() / max(is_sure.sum(), 1)),
-    }
-
-
-def _detail(key: str, form: str = ".3f") -> Callable[[Row], str]:
+def detail_cell(key: str, form: str = ".3f") -> Callable[[Row], str]:
+    """Return what shows a number of a row's detail."""
     return lambda row: format(row.detail[key], form)
 
 
 _CALIBRATION = {
     "clips, question type": lambda row: row.case,
-    "answers": _detail("stated", ""),
-    "right": _detail("right_of_stated"),
-    "mean stated": _detail("mean_stated"),
-    "calibration error": _detail("calibration_error"),
-}
-
-_DOUBT = {
-    "questions": lambda row: row.case,
-    "read": lambda row: str(row.count),
-    "right": lambda row: f"{1 - row.error:.3f}",
-    "mean stated": _detail("mean_stated"),
-    "calibration error": _detail("calibration_error"),
-    "read with 0.8 or more": _detail("sure"),
-    "wrong of these": _detail("sure_and_wrong"),
+    "answers": detail_cell("stated", ""),
+    "right": detail_cell("right_of_stated"),
+    "mean stated": detail_cell("mean_stated"),
+    "calibration error": detail_cell("calibration_error"),
 }
 
 QUESTIONS = Section(
@@ -388,25 +311,4 @@ wrong. *Unseen wordings* were kept from training. Intervals resample whole objec
     run=question_rows,
     views=by_half(Pivot(right_with_interval, "question"))
     | {"Stated probability": (Listing(_CALIBRATION), lambda row: "stated" in row.detail)},
-)
-
-READING = Section(
-    name="reading",
-    title="Understanding",
-    about="""\
-Each question is read into a query by the language model. *Exact* is every word of the query,
-numbers included, but for the order of facts; *kind* is what sort of thing is asked. Families of
-phrasing, and their clauses, were kept from training; the *blind* questions, and the *set-ups* that
-state one to five facts in several sentences, were written by people who had seen no template and no
-rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
-were chosen and calibrated by.""",
-    run=_reading_rows,
-    views={
-        "": (Pivot(right_with_interval, "questions"), lambda row: row.variant in (EXACT, KIND)),
-        "Families that were trained on, by ask and point of view": (
-            Pivot(lambda row: f"{row.right:.2f} ({row.count})", "ask", with_count=False),
-            lambda row: row.variant in VIEWS,
-        ),
-        "Doubt": (Listing(_DOUBT), lambda row: row.variant == EXACT),
-    },
 )

@@ -121,19 +121,19 @@ class Conversation:
 
     def _stated(self, facts: str) -> FrameSpec:
         """Return the frame in which some facts hold as well."""
-        from geotlm_lm.answering.understanding import understand
+        from geotlm_lm.answering.pipeline import understand
         from geotlm_lm.query.facts import with_facts
 
         understood = understand(self.answerer.bundle.reader, facts)
         if understood.ask_back is not None:
             raise UsageError(understood.ask_back)
-        if understood.query.parts or not understood.query.facts:
+        if understood.program.answers or not understood.program.facts:
             raise UsageError(
                 f"'{facts}' is no fact I know; say for example 'left-hand thread', 'the image is "
                 f"mirrored' or 'I look from the object's side'."
             )
         columns = self.session.encoded.clip.frames.shape[2]
-        return with_facts(self.session.frame, understood.query.facts, columns)
+        return with_facts(self.session.frame, understood.program.facts, columns)
 
     def _why(self, _: str) -> None:
         last = self.session.last

@@ -52,7 +52,7 @@ def watch(
     outputs: TrackOutputs,
     question: Annotated[
         str | None,
-        typer.Option("--q", help="Ask the language model this about every motion that ends."),
+        typer.Option("--q", help="Ask this about every motion that ends."),
     ] = None,
     at_its_rate: Annotated[
         bool,

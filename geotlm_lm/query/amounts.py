@@ -9,10 +9,8 @@ from statistics import NormalDist
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE, TOLERANCES
-from geotlm_lm.core.twist import Component
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS, Belief
-from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
-from geotlm_lm.query.types import PER, UNITS, WAY_ATOMS
+from geotlm_lm.query.types import WAY_ATOMS
 
 OF_ATOM: dict[str, tuple[str, int]] = {
     "cw": ("turn", 1),
@@ -38,10 +36,6 @@ LEAST_TIMED = 3
 """Different frames that a speed needs."""
 
 
-class Missing(Exception):  # noqa: N818  (no error: a fact that an answer lacks)
-    """A fact that is needed: "scale", "rate", "unit", "thread", "side", "track", "second"."""
-
-
 @dataclass(frozen=True)
 class Recording:
     """Facts about the file that the clip is of.
@@ -55,8 +49,6 @@ class Recording:
         duration_s: How long it is; None where they are taken evenly at that rate, or nothing tells.
         is_uneven: Whether its frames were taken at uneven times, which each tells.
         used: Numbers of the frames that the clip is of.
-        moving_s: For how long what is asked about moves in a recording that was followed; None of
-            a clip.
         step_s: Time from frame to frame, or 1 for numbers of frames in its place.
     """
 
@@ -66,7 +58,6 @@ class Recording:
     frames: int = 4
     used: tuple[int, ...] = (0, 1, 2, 3)
     is_turned: bool = False
-    moving_s: float | None = None
     step_s: float | None = None
     duration_s: float | None = None
     is_uneven: bool = False
@@ -88,32 +79,14 @@ class Recording:
         """Frames from the first used to the last."""
         return self.used[-1] - self.used[0]
 
-    def unit_s(self, per: str) -> float:
-        """Return how long a unit of time of `PER` is on a track's clock, seconds.
-
-        Raises:
-            Missing: If the clock only counts frames, for it lacks a rate.
-        """
-        if per == "per-frame":
-            return self.step_s or 1.0
-        if not self.rate_hz:
-            raise Missing("rate")
-        return PER[per]
-
-    @property
-    def moving_steps(self) -> float:
-        """Steps from frame to frame in the time in which it moves."""
-        return max((self.moving_s or 0.0) / (self.step_s or 1.0), 1e-9)
-
     @property
     def seconds(self) -> float | None:
         """How long what moves does so: from the first used frame to the last.
 
         Two frames alone give no time: they may be any two of a longer motion.
         """
-        if not self.rate_hz or self.moving_s is not None:
-            return self.moving_s if self.rate_hz else None
-        return self.steps / self.rate_hz if len(set(self.used)) >= LEAST_TIMED else None
+        is_timed = bool(self.rate_hz) and len(set(self.used)) >= LEAST_TIMED
+        return self.steps / self.rate_hz if is_timed else None
 
 
 @dataclass(frozen=True)
@@ -203,105 +176,40 @@ def bell(belief: Belief, name: str) -> tuple[float, float]:
     return values[place], math.sqrt(float(belief.covariance[place, place]))
 
 
-def factor(name: str, unit: str, frame: FrameSpec, recording: Recording, belief: Belief) -> float:
-    """Return how many of a unit, "deg/s" and the like, are one of a length's base.
-
-    Raises:
-        Missing: If it is a unit of something else, or needs a scale or a time that nobody told.
-    """
-    plain, _, per = unit.partition("/")
-    base = BASES[name]
-    if base == "deg":
-        if plain not in FACTORS["angle"]:
-            raise Missing("unit")
-        scale = 1 / FACTORS["angle"][plain]
-    elif plain not in UNITS["length"]:
-        raise Missing("unit")
-    else:
-        scale = _length_factor(name, plain, belief, frame, recording)
-    return scale / _times(per, recording) if per else scale
-
-
-def _length_factor(name: str, unit: str, belief: Belief, frame: FrameSpec, recording: Recording):
-    """Return how many of a unit of length are one of the base of what is measured."""
-    if BASES[name] == "mm":
-        if unit == "px":
-            raise Missing("unit")
-        return 1 / FACTORS["length"][unit]
-    if unit != "px" and frame.mm_per_px is None:
-        raise Missing("scale")
-    size = None if unit == "px" else frame.mm_per_px
-    scale = travel_scale(recording.rows, recording.columns, size)[1]
-    across, along = scale[::-1] if recording.is_turned else scale
-    factor = 1.0 if unit == "px" else 1 / FACTORS["length"][unit]
-    if name != "slide":
-        return factor * (along if name == "y" else across)
-    length = belief.mean.slide_px
-    if length == 0:
-        return factor * across
-    return factor * math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length
-
-
-def _times(per: str, recording: Recording) -> float:
-    if per == "frame":
-        return max(recording.steps, 1) if recording.moving_s is None else recording.moving_steps
-    if not recording.seconds:
-        raise Missing("rate")
-    return recording.seconds / FACTORS["time"].get(per, 1.0)
-
-
-def limit(
-    name: str, said: Quantity, frame: FrameSpec, recording: Recording, belief: Belief
-) -> float:
-    """Return an amount that a question says in the base unit of what it is compared with."""
-    if not said.unit:
-        return said.value / factor(name, BASES[name], frame, recording, belief)
-    _, unit, per = in_base(said)
-    if unit in ("deg", "mm", "px"):
-        full = f"{unit}/{per}" if per else unit
-        return in_base(said)[0] / factor(name, full, frame, recording, belief)
-    raise Missing("unit")
-
-
 def measure(
     atom: str,
     belief: Belief,
     frame: FrameSpec,
     recording: Recording,
     unit: str | None = None,
-    per: str | None = None,
 ) -> Measure:
-    """Return how far, or how fast, an atom goes.
+    """Return how far an atom goes.
 
-    Raises:
-        Missing: As `factor`.
+    Args:
+        atom: A key of `OF_ATOM`.
+        belief: What is believed.
+        frame: Tells the size of a pixel, if anybody does.
+        recording: The file.
+        unit: "deg", "px" or "mm"; None for the usual one.
     """
     name, sign = OF_ATOM[atom]
     mean, deviation = bell(belief, name)
-    unit = unit or usual_unit(atom, frame)
-    wanted = f"{unit}/{per.removeprefix('per-')}" if per in PER else unit
-    scale = factor(name, wanted, frame, recording, belief)
-    return sized(atom, mean * sign if sign else abs(mean), deviation, wanted, scale)
+    base = BASES[name]
+    is_scaled = base == "px" and frame.mm_per_px is not None
+    unit = unit or ("mm" if is_scaled else base)
+    scale = _pixels(name, belief, frame, recording, unit) if base == "px" else 1.0
+    mean = mean * sign if sign else abs(mean)
+    return Measure(atom, mean * scale, deviation * scale, unit, TOLERANCES[base] * scale)
 
 
-def usual_unit(atom: str, frame: FrameSpec) -> str:
-    """Return the unit that an atom's amount is told in where none is asked for."""
-    base = BASES[OF_ATOM[atom][0]]
-    return "mm" if base == "px" and frame.mm_per_px is not None else base
-
-
-def sized(atom: str, mean: float, deviation: float, unit: str, scale: float) -> Measure:
-    """Return an amount in a unit of which `scale` are one of the atom's base."""
-    tolerance = TOLERANCES[BASES[OF_ATOM[atom][0]]]
-    return Measure(atom, mean * scale, deviation * scale, unit, tolerance * scale)
-
-
-def atom_of(unit: str) -> str:
-    """Return the component whose amounts have a unit: what "20 degrees" or "3 px" are of."""
-    return "turn" if unit.partition("/")[0] in FACTORS["angle"] else "slide"
-
-
-def component_of(name: str) -> Component:
-    """Return the component that is measured by a name of `OF_ATOM`."""
-    names = {"turn": Component.TURN, "inward": Component.PRESS}
-    return names.get(name, Component.SLIDE)
+def _pixels(name: str, belief: Belief, frame: FrameSpec, recording: Recording, unit: str) -> float:
+    """Return how many pixels of the recording, or mm, are a pixel of our square."""
+    size = None if unit == "px" else frame.mm_per_px
+    scale = travel_scale(recording.rows, recording.columns, size)[1]
+    across, along = scale[::-1] if recording.is_turned else scale
+    if name != "slide":
+        return along if name == "y" else across
+    length = belief.mean.slide_px
+    if length == 0:
+        return across
+    return math.hypot(across * belief.mean.right_px, along * belief.mean.down_px) / length

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from geotlm_lm.core.edit import EDIT_WORDS
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query import spans  # noqa: F401  (adds its primitives)
 from geotlm_lm.query.amounts import Measure
 from geotlm_lm.query.evaluate import (
     MOVERS,
     Context,
+    Events,
     Evidence,
     Floats,
     Trace,
@@ -30,10 +31,12 @@ from geotlm_lm.query.evaluate import (
     of_clip,
 )
 from geotlm_lm.query.facts import with_facts
+from geotlm_lm.query.measures import placed as where_touched
 from geotlm_lm.query.moving import (
     moved,
     moved_along,
     moved_on_thread,
+    of_components,
     shown,
     shown_in,
     spread,
@@ -45,6 +48,7 @@ from geotlm_lm.query.values import (
     Amount,
     Choice,
     Moved,
+    Placed,
     Record,
     Remark,
     Times,
@@ -52,7 +56,7 @@ from geotlm_lm.query.values import (
     Unknown,
     Value,
 )
-from geotlm_lm.query.worlds import COUNT
+from geotlm_lm.query.worlds import COUNT, Happening
 from geotlm_lm.track.events import TOGETHER_S
 
 
@@ -125,10 +129,13 @@ def _truth(expression: Expression, context: Context) -> Value:
     holds = chance >= known / 2
     inner, placed = _placed(expression, context)
     amounts = tuple(_compared(inner, placed))
-    motion = _motion_of(tuple(context.trace.components), placed)
+    components = tuple(context.trace.components)
+    motion = _motion_of(components, placed)
     return Truth(
         of=expression, holds=holds, chance=chance, probability=max(chance, known - chance),
-        motion=motion, amounts=amounts, edit=placed.view, shown=shown_in(placed),
+        motion=motion, amounts=amounts, times_s=tuple(_times_of(inner, placed)),
+        each=_of_two(inner, placed), edit=placed.view,
+        shown=of_components(shown_in(placed), components or COMPONENTS),
     )  # fmt: skip
 
 
@@ -143,6 +150,31 @@ def _compared(inner: Expression, context: Context) -> Iterator[Measure]:
             found := answer(measured_first, context), Amount
         ):
             yield found.amount
+
+
+def _of_two(inner: Expression, context: Context) -> tuple[Value, ...]:
+    """Return what is so of each of two clips that are compared; nothing where none are."""
+    if inner.word not in p.TWO_CLIPS or len(context.clips) < 2:
+        return ()
+    return tuple(_of_clip(inner.arguments[0], context, word) for word in ("of-first", "of-second"))
+
+
+def _times_of(inner: Expression, context: Context) -> Iterator[float]:
+    """Yield when what is asked about happens, or both of what is put in order."""
+    if inner.word == "happens":
+        for happening, is_so in _likely(evaluate(inner.arguments[0], context)):
+            if is_so:
+                yield happening.begin_s
+    elif inner.word in ("before", "after"):
+        for time in inner.arguments:
+            known = np.broadcast_to(evaluate(time, context), (COUNT,))
+            if np.isfinite(known).mean() >= 0.5:
+                yield middle(context, known)
+
+
+def _likely(events: Events) -> Iterator[tuple[Happening, bool]]:
+    """Yield events and whether each likely happens."""
+    return zip(events.happenings, events.is_so.mean(axis=1) >= 0.5, strict=True)
 
 
 def _chance(found: Floats, context: Context) -> tuple[float, float]:
@@ -167,8 +199,10 @@ def _amount(expression: Expression, context: Context) -> Value:
     inner, placed = _placed(expression, context)
     components = tuple(context.trace.components)
     motion = moved(placed, components) if components else None
-    if motion is not None and _is_way(inner) and set(components) <= _unmoved(motion, components):
-        return replace(motion, of=expression)
+    if motion is not None and _is_way(inner):
+        along = moved_along(placed, inner.arguments[0]) if inner.arguments[0] in "xy" else motion
+        if set(components) <= _unmoved(motion, components) or along.still_axis is not None:
+            return replace(along, of=expression)
     amount, right = spread(found, _moving(placed, components), context)
     rounded = next((each.arguments[0] for each in expression if each.word == "round"), None)
     if rounded is not None:
@@ -178,7 +212,7 @@ def _amount(expression: Expression, context: Context) -> Value:
         at_s = middle(placed, evaluate(of(f"{inner.word}-time", *inner.arguments), placed))
     return Amount(
         of=expression, amount=amount, probability=right, motion=motion, at_s=at_s,
-        edit=placed.view, shown=shown_in(placed),
+        edit=placed.view, shown=of_components(shown_in(placed), components or COMPONENTS),
     )  # fmt: skip
 
 
@@ -235,13 +269,14 @@ def _way(expression: Expression, context: Context) -> Value:
         return replace(found, of=expression, shown=story_of(placed))
     asked = inner.arguments[0] if inner.word == "way" else "all"
     if asked == "thread":
-        return replace(moved_on_thread(placed), of=expression)
+        shown = of_components(story_of(placed), (Component.TURN,))
+        return replace(moved_on_thread(placed), of=expression, shown=shown)
     if asked in ("x", "y"):
         return replace(moved_along(placed, asked), of=expression)
-    part = {"all": (), "sign": (Component.TURN,)}.get(asked)
-    found = moved(placed, (Component(asked),) if part is None else part)
-    shown = story_of(placed) if asked == "all" and inner.word == "way" else ()
-    return replace(found, of=expression, shown=shown)
+    part = () if asked == "all" else (Component("turn" if asked == "sign" else asked),)
+    found = moved(placed, part)
+    shown = story_of(placed) if inner.word in ("way", "extent") else ()
+    return replace(found, of=expression, shown=of_components(shown, part or COMPONENTS))
 
 
 def _label(expression: Expression, context: Context) -> Value:
@@ -251,7 +286,10 @@ def _label(expression: Expression, context: Context) -> Value:
     elif inner.word in ("which-more", "which-less"):
         first, second = (of(clip, inner.arguments[0]) for clip in ("of-first", "of-second"))
         sign = {"which-more": ">", "which-less": "<"}[inner.word]
-        cases = Case(of(sign, first, second)), Case(of(sign, second, first))
+        unlike = of("not", of("~", first, second))
+        cases = tuple(
+            Case(of("and", unlike, of(sign, *pair))) for pair in ((first, second), (second, first))
+        )
     else:
         cases = inner.arguments[0]
     named = {
@@ -273,7 +311,8 @@ def _label(expression: Expression, context: Context) -> Value:
         right = np.all([held[place] for place in chosen], axis=0) if chosen else none
     motion = _motion_of(tuple(context.trace.components), placed)
     return Choice(of=expression, chosen=chosen, chances=chances, probability=float(np.mean(right)),
-                  motion=motion, edit=placed.view, shown=shown_in(placed))  # fmt: skip
+                  motion=motion, each=_of_two(inner, placed), edit=placed.view,
+                  shown=shown_in(placed))  # fmt: skip
 
 
 def _record(expression: Expression, context: Context) -> Value:
@@ -286,7 +325,7 @@ def _record(expression: Expression, context: Context) -> Value:
     else:
         found = evaluate(inner.arguments[0], placed)
         is_likely = found.is_so.mean(axis=1) >= 0.5
-        likely = [each for each, is_so in zip(found.happenings, is_likely, strict=True) if is_so]
+        likely = [each for each, is_so in _likely(found) if is_so]
         if inner.word in ("begins", "ends"):
             times = tuple(each.begin_s if inner.word == "begins" else each.end_s for each in likely)
             right = (found.is_so == is_likely[:, None]).all(axis=0).mean()
@@ -308,10 +347,24 @@ def _remark(expression: Expression, context: Context) -> Value:
     if word in ("sure-of", "why-of"):
         found = _truth(inner.arguments[0], placed)
         return replace(found, of=expression)
-    if word in ("sure", "alternatives", "why"):
+    if word == "alternatives":
+        return replace(_label(of("choose", _possible(placed)), placed), of=expression)
+    if word in ("sure", "sure-amount", "why"):
         return replace(moved(placed, ()), of=expression)
+    if word == "place":
+        across, down = where_touched(placed)
+        return Placed(of=expression, across=across, down=down, share=placed.evidence.area.share,
+                      edit=placed.view)  # fmt: skip
     topic = inner.arguments[0] if inner.arguments else None
-    return Remark(of=expression, kind=word, topic=topic, edit=placed.view)
+    return Remark(of=expression, kind=word, topic=topic, recording=placed.evidence.recording,
+                  edit=placed.view)  # fmt: skip
+
+
+def _possible(context: Context) -> tuple[Case, ...]:
+    """Return every way and rest that may be told."""
+    is_known = context.worlds.belief.is_contact_known
+    words = (*p.WAYS[:6], *(("in", "out", "still", "none") if is_known else ()))
+    return tuple(Case(of(word)) for word in words)
 
 
 _TELLS: dict[str, Callable[[Expression, Context], Value]] = {

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.query.program import ACCEPTED, TWO_CLIPS
 
 SHARES = {"edit": 0.3, "fact": 0.3, "subject": 0.08, "form": 0.07, "manner": 0.18, "noise": 0.15}
 """How often a clause of a kind stands around a question that takes it."""
@@ -108,7 +109,7 @@ class Around:
             if place != "alone":
                 self.edits.insert(0 if place == "before" else len(self.edits), meant)
         elif kind == "subject":
-            self.subject = f"{meant} > "
+            self.subject = f"{meant} "
         elif kind != "fact" and meant and " as " not in self.query:
             self.form = f" ; as {meant}"
 
@@ -141,7 +142,7 @@ def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) ->
     for kind in wanted:
         if not _takes(family, kind):
             continue
-        kinds = {kind, *(_FORMS.get(family.query.split()[0], ()) if kind == "form" else ())}
+        kinds = {kind, *(_forms_of(family.query) if kind == "form" else ())}
         offered = [
             one
             for one in clauses
@@ -155,7 +156,22 @@ def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) ->
     return found
 
 
-_FORMS = {"choice": ("letter",), "claim": ("yes-no",), "amount": ("number",)}
+def _forms_of(query: str) -> tuple[str, ...]:
+    """Return the forms that an answer to a pattern of a program may be wanted in."""
+    words = [word for word in query.split() if word not in VIEWS]
+    if words[0].startswith("choose"):
+        return ("letter",)
+    if words[0] in ACCEPTED["number"]:
+        return ("number",)
+    return (
+        ("yes-no",)
+        if words[0] in ACCEPTED["bool"] or (len(words) == 1 and words[0].startswith("{"))
+        else ()
+    )
+
+
+VIEWS = (*EDIT_WORDS, "of-first", "of-second", "of-previous")
+"""Words that stand before what is asked and take nothing else."""
 
 
 def topic_of(clause: Clause) -> str:
@@ -172,17 +188,15 @@ def _takes(family: Family, kind: str) -> bool:
     return kind != "subject" or (family.edits and is_one)
 
 
+_APART = ("not-understood", "again", "talk", "help", *TWO_CLIPS)
+
+
 def may_join(family: Family, other: Family) -> bool:
     """Tell whether two questions may be asked in one breath."""
-    apart = ("not-understood", "compare", "which-clip", "again", "talk", "help", "choice A")
-    queries = (family.query, other.query)
     words = {*family.query.split(), *other.query.split()}
-    is_plain = not any(one.complete for one in (family, other)) and not words & {"as", "fact"}
-    return (
-        is_plain
-        and family.query != other.query
-        and not any(query.startswith(apart) for query in queries)
-    )
+    is_plain = not family.complete and not other.complete and not words & {"as", "fact", *_APART}
+    is_lettered = any(each.query.startswith("choose A") for each in (family, other))
+    return is_plain and not is_lettered and family.query != other.query
 
 
 def listed(rng: random.Random, questions: list[str], *, is_bare: bool) -> str:
@@ -205,21 +219,20 @@ def _begun_small(sentence: str) -> str:
     return sentence if sentence[1:2] in ("", " ", "'", ")") else sentence[:1].lower() + sentence[1:]
 
 
-_UNSEEN = ("why", "how-sure", "how-sure of-amount", "alternatives", "place", "amount touch percent")
-"""Parts that a point of view does not change."""
+_UNSEEN = ("why", "sure", "sure-amount", "alternatives", "place", "area", "file", "setup")
+"""What a point of view does not change."""
 
 
 def _seen(query: str, edit: str, subject: str) -> str:
-    """Return the parts of a query seen as an edit and a subject say, before what they say."""
+    """Return the answers of a program seen as an edit and a subject say, behind their own views."""
     found = []
     for part in query.split(" ; "):
         words, at = part.split(), 0
-        if part.startswith("as ") or part in _UNSEEN or words[0] in ("recording", "setup"):
+        if words[0] in ("as", "fact", *_UNSEEN):
             found.append(part)
             continue
-        prefix = f"{edit} > " if edit else ""
-        if ">" in words and words[0] in EDIT_WORDS:
-            at = words.index(">") + 1
-            prefix = f"{' '.join([*words[: at - 1], edit]).strip()} > "
-        found.append(f"{prefix}{subject}{' '.join(words[at:])}")
+        while words[at] in EDIT_WORDS:
+            at += 1
+        own, rest = words[:at], words[at:]
+        found.append(" ".join([*own, *edit.split(), *subject.split(), *rest]))
     return " ; ".join(found)

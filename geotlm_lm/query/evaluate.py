@@ -19,7 +19,6 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query.amounts import Recording
-from geotlm_lm.query.decision import ContactArea
 from geotlm_lm.query.program import Expression
 from geotlm_lm.query.worlds import COUNT, Happening, Worlds
 
@@ -53,6 +52,21 @@ MOVERS = {"as-object": False, "as-sensor": True}
 
 class Untold(Exception):  # noqa: N818  (no error: what an answer lacks)
     """Why something cannot be told, a name of `replies.toml`."""
+
+
+@dataclass(frozen=True)
+class ContactArea:
+    """Where the recorded image is touched.
+
+    Args:
+        across: Share of the width from its left border to the middle of the contact.
+        down: Share of the height from its top.
+        share: Of the image that is covered.
+    """
+
+    across: float
+    down: float
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +188,14 @@ class Context:
         return replace(self, edit=Edit(), begin=None, end=None, now=None)
 
     def within(self, begin: Floats, end: Floats) -> Context:
-        """Return the context of a span."""
+        """Return the context of a span.
+
+        Raises:
+            Untold: If it lies outside the recording.
+        """
+        worlds, begins, ends = self.worlds, np.asarray(begin), np.asarray(end)
+        if np.min(begins) > worlds.end_s + 1e-9 or np.max(ends) < worlds.begin_s - 1e-9:
+            raise Untold("span")
         return replace(self, begin=begin, end=end, now=None)
 
 

@@ -1,45 +1,40 @@
-"""Which numbers of a question may stand where: a scale is a length, a span a time."""
+"""Which numbers of a question may stand where: beside an angle stands one, a span is a time."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 
-from geotlm_lm.core.twist import COMPONENT_OF, Component
-from geotlm_lm.query import types as t
+from geotlm_lm.core.twist import Component
+from geotlm_lm.query.evaluate import COMPONENT
+from geotlm_lm.query.program import UNITS, Expression, begun
 from geotlm_lm.query.types import Quantity
 
-_NO_UNIT = ("", "percent")
-_UNITS = {
-    "scale": (*t.UNITS["length"], ""),
-    "view": (*t.UNITS["length"], ""),
-    "from": (*t.UNITS["time"], *_NO_UNIT),
-    "to": (*t.UNITS["time"], *_NO_UNIT),
-}
-"""Units of the number behind a word."""
+_ANY = ("", "percent")
+_TIMES = (*UNITS["time"], *_ANY)
+_LENGTHS = (*UNITS["length"], *_ANY)
 
-_OF_COMPONENT = {
-    Component.TURN: (*t.UNITS["angle"], *_NO_UNIT),
-    Component.SLIDE: (*t.UNITS["length"], *_NO_UNIT),
-    Component.PRESS: (*t.UNITS["length"], *_NO_UNIT),
-}
-_RELATIONS = (">", "<", "~", "in-range")
+_TIMED = ("length", "lasts", "time-while", "delay", "clock")
+_SHARES = ("share", "percent-of", "area", "chance", "place-x", "place-y")
+_FACTS = {"scale": (*UNITS["length"], ""), "view": (*UNITS["length"], "")}
+_OF_TIME = ("t", "initial", "final", "later", "earlier", "around")
 
 
-def fitting(
-    prefix: Sequence[str], allowed: Collection[str], quantities: Sequence[Quantity]
-) -> set[str]:
-    """Return the next words of a query without those whose number cannot be meant there.
+def fitting(prefix: Sequence[str], quantities: Sequence[Quantity], texts: int = 0) -> set[str]:
+    """Return the next words of a program without those whose number cannot be meant there.
 
     Args:
         prefix: Words so far.
-        allowed: Words that may follow by form.
         quantities: Of the question, as slots count them.
+        texts: How many of its words may be copied.
     """
+    allowed, open_ = begun(prefix, len(quantities), texts)
     found = set(allowed)
     if prefix and prefix[-1] == "fact":
-        is_length = any(_fits(one, _UNITS["scale"]) for one in quantities)
-        return found if is_length else found - {"scale", "view"}
-    units = _units(prefix)
+        is_length = any(_fits(each, _FACTS["scale"]) for each in quantities)
+        return found if is_length else found - _FACTS.keys()
+    units = _FACTS.get(prefix[-1]) if prefix else None
+    if units is None and open_ is not None:
+        units = _wanted(*open_)
     slots = {word for word in found if word.startswith("#")}
     if units is None or not slots:
         return found
@@ -47,23 +42,39 @@ def fitting(
     return (found - slots) | (fit or slots)
 
 
-def _units(prefix: Sequence[str]) -> tuple[str, ...] | None:
-    """Return the units that the next number may have; None where any will do."""
-    words = list(prefix)
-    while words and words[-1].startswith("#"):  # the second end of a range
-        words.pop()
-    if not words or words[-1] in _UNITS:
-        return _UNITS[words[-1]] if words else None
-    if words[-1] not in _RELATIONS or len(words) < 2:
+def _wanted(word: str, arguments: Sequence[Expression]) -> tuple[str, ...] | None:
+    """Return the units that the next number of a primitive may have; None where any will do."""
+    if word in _OF_TIME:
+        return _TIMES
+    if word not in (">", "<", "=", "~", "in-range", "+", "-", "percent-of") or not arguments:
         return None
-    atom = words[-2]
-    component = t.COMPONENT_ATOMS.get(atom) or COMPONENT_OF.get(t.WAY_ATOMS.get(atom))
-    return t.UNITS["length"] + _NO_UNIT if atom in ("x", "y") else _OF_COMPONENT.get(component)
+    return _units_of(arguments[0])
+
+
+def _units_of(measured: Expression) -> tuple[str, ...] | None:
+    """Return the units of a measure; None where they are not known or those of a speed."""
+    while measured.word in ("within", "at", "abs", "negate", "round"):
+        measured = measured.arguments[-1]
+    if measured.word == "unit":
+        kind = next(units for units in UNITS.values() if measured.arguments[0] in units)
+        return (*kind, *_ANY)
+    if measured.word in _TIMED:
+        return _TIMES
+    if measured.word in _SHARES:
+        return _ANY
+    if measured.word == "count":
+        return ("",)
+    if measured.word not in ("amount", "path", "peak", "limit"):
+        return None
+    component = COMPONENT.get(measured.arguments[0])
+    if component is None:
+        return None
+    return (*UNITS["angle"], *_ANY) if component is Component.TURN else _LENGTHS
 
 
 def _fits(quantity: Quantity, units: Sequence[str]) -> bool:
     top, _, per = quantity.unit.partition("/")
     # Of "1 px = 0.04 mm" the pixel is no size; of "20 px per mm" it is a part.
-    is_bare_pixel = units is _UNITS["scale"] and quantity.unit == "px"
-    is_part = units is _UNITS["scale"] and per != "" and per in units
-    return not is_bare_pixel and (top in units or is_part)
+    is_size = units is _FACTS["scale"]
+    is_part = is_size and per != "" and per in units
+    return not (is_size and quantity.unit == "px") and (top in units or is_part)

@@ -20,6 +20,7 @@ from typing import Any
 from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.clauses import (
     TWICE,
+    VIEWS,
     Around,
     Clause,
     Family,
@@ -28,11 +29,20 @@ from geotlm_lm.query.clauses import (
     may_join,
     topic_of,
 )
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.noise import roughened
 from geotlm_lm.query.own_wordings import own_clauses, own_families, own_words
+from geotlm_lm.query.program import (
+    MOST_SLOTS,
+    TRAITS,
+    TWO_CLIPS,
+    head_of,
+    normal,
+    read,
+    type_of,
+    write,
+)
 from geotlm_lm.query.quantities import find
-from geotlm_lm.query.text import MOST_SLOTS, read, write
-from geotlm_lm.query.types import ASKS
 
 _FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")
 _PLACES = ("before", "after", "alone", "alone_after")
@@ -42,12 +52,10 @@ _MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
 SPLITS = ("train", "validation", "test")
 
 
-_SEEN = ("way", "claim", "choice", "amount", "kind")
-"""Asks that a point of view may be put around."""
+_SEEN = ("bool", "number", "way", "label")
+"""Types of what a point of view may be put around."""
 _OF_ALL = ("fact", "manner", "noise")
 """Kinds of clauses that hold for whatever questions follow."""
-_COMPLETE = ("fact", "talk", "help", "again", "not-understood", "compare", "which-clip")
-"""Asks that nothing is put around."""
 LEAST_FAMILIES = 25
 """A kind is drawn by the root of its number of families, or of this where it has fewer."""
 
@@ -58,7 +66,7 @@ class Pair:
 
     Args:
         text: As somebody may type it.
-        query: Its canonical line, numbers as slots.
+        query: The normal line of its program, numbers and copied words as slots.
         families: Of the question and of every clause.
     """
 
@@ -74,6 +82,7 @@ class _Draft:
     values: dict[str, str] = field(default_factory=dict)
     numbers: int = 0
     least: float = 0.0
+    copied: list[str] = field(default_factory=list)
 
 
 class Grammar:
@@ -141,14 +150,14 @@ class Grammar:
 
         A question that has numbers, parts or a point of view of its own is returned as it is.
         """
-        if any(mark in pair.query for mark in "#>;") or any(mark in pair.text for mark in "{["):
+        if any(mark in pair.query for mark in "#@;") or any(mark in pair.text for mark in "{["):
             return pair
         plain = pair.text.rstrip("?.! ")
-        kind = kind_of(pair.query)
         end = pair.text[len(plain) :].strip() or ("" if pair.text == plain else ".")
-        family = Family(
-            pair.families[0], pair.query, (plain,), end, kind in _SEEN, kind in _COMPLETE
-        )
+        (asked,) = read(pair.query).answers or (None,)
+        is_complete = asked is None or head_of(asked).word in TWO_CLIPS or type_of(asked) == "talk"
+        is_seen = asked is not None and type_of(asked) in _SEEN
+        family = Family(pair.families[0], pair.query, (plain,), end, is_seen, is_complete)
         clauses = [one for one in self.clauses if split_of(one.id) == "train"]
         return self._pair(rng, family, [], clauses) or pair
 
@@ -207,7 +216,14 @@ class Grammar:
             return rng.choice(words)
         if "forms" in words:
             draft.numbers += 1
-            draft.values[f"{name}{place}"] = f"\ue003{draft.numbers}"
+            mark = "\ue004" if words.get("copied") else "\ue003"
+            draft.values[f"{name}{place}"] = f"{mark}{draft.numbers}"
+            if words.get("copied"):
+                taken = draft.copied
+                value = rng.choice([one for one in words["values"] if one not in taken])
+                draft.copied.append(value)
+                said = rng.choice(words["forms"]).replace("#", value)
+                return f"\ue000{draft.numbers}\ue001{said}\ue002"
             # The second of two numbers is the larger: spans and ranges run upwards.
             offered = [one for one in words["values"] if not place or one > draft.least]
             value = rng.choice(offered or [2 * words["values"][-1]])
@@ -223,33 +239,49 @@ class Grammar:
         return rng.choice(words[draft.values[key]])
 
     def _meant(self, query: str, draft: _Draft) -> str:
-        return _FIELD.sub(lambda match: draft.values[f"{match[1]}{match[2]}"], query)
+        while _FIELD.search(query):
+            query = _FIELD.sub(lambda match: draft.values[f"{match[1]}{match[2]}"], query)
+        return query
 
 
 def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     """Return a pair with its numbers as slots; None where one is not found again, or too late."""
-    starts: dict[str, int] = {}
+    spans: dict[str, tuple[int, int]] = {}
     plain, at = "", 0
     for match in _MARK.finditer(text):
         plain += text[at : match.start()]
-        starts[match[1]] = len(plain)
+        spans[match[1]] = (len(plain), len(plain) + len(match[2]))
         plain, at = plain + match[2], match.end()
     plain += text[at:]
     if not plain.strip("?.! "):
         return None
-    found = find(plain)[:MOST_SLOTS]
-    places = {one.start: place for place, one in enumerate(found, 1)}
-    for number, start in starts.items():
-        if start not in places:
-            return None
-        line = re.sub(f"\ue003{number}(?!\\d)", f"#{places[start]}", line)
-    return Pair(plain, write(read(line, max(len(places), 1))), families)
+    offered = {"\ue003": find(plain)[:MOST_SLOTS], "\ue004": copied(plain)[:MOST_SLOTS]}
+    for number, (start, end) in spans.items():
+        for mark, slot in (("\ue003", "#"), ("\ue004", "@")):
+            wanted = re.compile(f"{mark}{number}(?!\\d)")
+            if not wanted.search(line):
+                continue
+            places = [
+                place
+                for place, each in enumerate(offered[mark], 1)
+                if each.start < end and start < each.end
+            ]
+            if len(places) != 1:
+                return None
+            line = wanted.sub(f"{slot}{places[0]}", line)
+    return Pair(plain, write(normal(read(line))), families)
 
 
 def kind_of(query: str) -> str:
-    """Return the kind of a query's first ask; "fact" of one that asks nothing."""
-    words = [word for word in query.split() if word in ASKS]
-    return words[0] if words else "fact"
+    """Return the kind of a pattern, by which it is drawn: the first word of its first answer.
+
+    Of what is so or not it is "claim"; of facts alone "fact".
+    """
+    answers = [part for part in query.split(" ; ") if part.split()[0] not in ("fact", "as")]
+    if not answers:
+        return "fact"
+    words = [word for word in answers[0].split() if word not in VIEWS]
+    return "claim" if words[0] in TRAITS or words[0].startswith("{") else words[0]
 
 
 _FIXED = {"train": "train", "held": "validation", "blind": "test"}

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable, Iterator
+from copy import copy
 from dataclasses import dataclass, replace
 
 from geotlm_lm.core.files import training_templates
-from geotlm_lm.query.text import read
-from geotlm_lm.query.types import Query
+from geotlm_lm.query.grammar import Pair, grammar
+from geotlm_lm.query.program import Expression, Program, normal, read
 
 BLIND, SET_UPS, TUNE = "blind", "set-ups", "tune"
 """Sets written by people who had seen no template; only the last is used for any choice. The second
 is questions behind facts on a set-up."""
+
+WRITERS = ("nonnative", "adversary")
+"""Who asks what no reader was trained on: all families of theirs are of the test split."""
 
 
 @dataclass(frozen=True)
@@ -22,19 +27,17 @@ class Labelled:
         text: As it was typed.
         queries: The best reading, and others that serve as well.
         asks_on: Whether it is whole only with what was asked before.
+        family: Of phrasing, that it is of; "" of what stands by itself.
     """
 
     text: str
     queries: tuple[str, ...]
     asks_on: bool = False
+    family: str = ""
 
     def is_met(self, line: str) -> bool:
         """Tell whether a reading means what was meant; the order of facts is free."""
         return meaning(line) in map(meaning, self.queries)
-
-    def has_kinds(self, line: str) -> bool:
-        """Tell whether a reading asks the right kinds of things in the right order."""
-        return _kinds(line) in map(_kinds, self.queries)
 
 
 def labelled(name: str) -> list[Labelled]:
@@ -47,19 +50,32 @@ def labelled(name: str) -> list[Labelled]:
     ]
 
 
-def meaning(line: str) -> Query:
-    """Return a query with its facts, and the literals of its propositions, in one order."""
-    query = read(line)
-    parts = tuple(replace(part, ask=_ordered(part.ask)) for part in query.parts)
-    return replace(query, parts=parts, facts=tuple(sorted(query.facts, key=repr)))
+def of_pairs(pairs: Iterable[Pair]) -> list[Labelled]:
+    """Return questions of the grammar or the corpus; their family is that of the question."""
+    return [Labelled(pair.text, (pair.query,), family=pair.families[0]) for pair in pairs]
 
 
-def _ordered(ask):
-    if ask.proposition is None:
-        return ask
-    literals = tuple(sorted(ask.proposition.literals, key=repr))
-    return replace(ask, proposition=replace(ask.proposition, literals=literals))
+def written_by(writer: str, seed: int) -> Iterator[Pair]:
+    """Yield what one of `WRITERS` asks, each text once with nothing around it."""
+    own = copy(grammar())
+    for family in grammar().families:
+        for place, text in enumerate(family.texts if f"/{writer}-" in family.id else ()):
+            own.families = [replace(family, texts=(text,), complete=True)]
+            pairs = own.pairs(seed + place)
+            yield next(pair for pair in pairs if pair.families == (family.id,))
 
 
-def _kinds(line: str) -> list[str]:
-    return [part.ask.kind for part in read(line).parts]
+def meaning(line: str) -> Program:
+    """Return a program in its normal form, facts and what stands in any order in one order."""
+    program = normal(read(line))
+    answers = tuple(map(_ordered, program.answers))
+    return replace(program, answers=answers, facts=tuple(sorted(program.facts, key=repr)))
+
+
+def _ordered(expression: Expression) -> Expression:
+    arguments = tuple(
+        _ordered(each) if isinstance(each, Expression) else each for each in expression.arguments
+    )
+    if expression.word in ("and", "or", "+", "*", "min", "max"):
+        arguments = tuple(sorted(arguments, key=repr))
+    return replace(expression, arguments=arguments)

@@ -27,8 +27,16 @@ from geotlm_lm.query.evaluate import (
     moments,
 )
 from geotlm_lm.query.program import Expression
-from geotlm_lm.query.units import clock_unit, compared, constant, converted, in_length_of, scale_of
-from geotlm_lm.query.worlds import COUNT
+from geotlm_lm.query.units import (
+    clock_step,
+    clock_unit,
+    compared,
+    constant,
+    converted,
+    in_length_of,
+    scale_of,
+)
+from geotlm_lm.query.worlds import COUNT, Worlds
 from geotlm_lm.track.events import TOGETHER_S
 
 RATE_S = 0.2
@@ -93,13 +101,23 @@ def _atom(context: Context, atom: str) -> str:
         return atom
     if context.length is not None:
         return "turn" if context.length == "deg" else "slide"
-    paths = {}
-    for component in COMPONENTS[:2]:
-        paths[component] = sum(
+    mains = {_farther(clip.worlds) for clip in context.clips} - {None}
+    if len(mains) > 1:  # of two clips that are compared
+        raise Untold("unlike")
+    return (mains.pop() if mains else Component.TURN).value
+
+
+def _farther(worlds: Worlds) -> Component | None:
+    """Return which of turn and slide goes farther; None where neither moves."""
+    paths = {
+        component: sum(
             float(np.mean(happening.path_px * happening.is_real))
-            for happening in context.worlds.motions(component)
+            for happening in worlds.motions(component)
         )
-    return max(paths, key=paths.__getitem__).value
+        for component in COMPONENTS[:2]
+    }
+    farther = max(paths, key=paths.__getitem__)
+    return farther if worlds.belief.moves(farther) >= 0.5 or worlds.is_timed else None
 
 
 def _amount(context: Context, atom: str) -> Numbers:
@@ -165,7 +183,8 @@ def _speed(context: Context, atom: str) -> Numbers:
     atom = _atom(context, atom)
     if context.now is not None:
         return _rate(context, atom, context.now)
-    way = _amount(context, atom)
+    # Of no way in particular all that it goes counts: there and back is no standing still.
+    way = _path(context, atom) if atom in (*p.COMPONENTS, "x", "y") else _amount(context, atom)
     if not context.worlds.is_timed:
         seconds = context.evidence.recording.seconds
         if not seconds:
@@ -174,7 +193,7 @@ def _speed(context: Context, atom: str) -> Numbers:
             way.values / seconds, unit=f"{way.unit}/s", tolerance=way.tolerance / seconds
         )
     moving = _moving_s(context, COMPONENT[atom])
-    moving = np.where(moving > 0, moving, np.nan)
+    moving = np.where(moving > 0, moving, np.nan) / clock_step(context)
     seconds = float(np.median(moving[np.isfinite(moving)])) if np.isfinite(moving).any() else 1.0
     values = np.where(np.isnan(moving), 0.0, way.values / np.nan_to_num(moving, nan=1.0))
     return way.also(
@@ -187,9 +206,9 @@ def _rate(context: Context, atom: str, now: Floats) -> Numbers:
     early = np.maximum(now - RATE_S / 2, worlds.begin_s)
     late = np.minimum(now + RATE_S / 2, worlds.end_s)
     way = _amount(context.within(early, late), atom)
-    seconds = np.maximum(late - early, 1e-9)
-    return way.also(way.values / seconds, unit=f"{way.unit}/{clock_unit(context)}",
-                    tolerance=way.tolerance / RATE_S)  # fmt: skip
+    ticks = np.maximum(late - early, 1e-9) / clock_step(context)
+    return way.also(way.values / ticks, unit=f"{way.unit}/{clock_unit(context)}",
+                    tolerance=way.tolerance * clock_step(context) / RATE_S)  # fmt: skip
 
 
 def _fastest(context: Context, atom: str) -> tuple[float, Numbers]:
@@ -215,6 +234,12 @@ def _limit(context: Context, atom: str) -> Numbers:
     return found.also(np.abs(found.values))
 
 
+def duration(context: Context, clock_s: Floats) -> Numbers:
+    """Return times of the track's clock in seconds, or in frames where no rate is known."""
+    step = clock_step(context)
+    return Numbers(clock_s / step, clock_unit(context), TOGETHER_S / step)
+
+
 def length_of(spot: Spot) -> Floats:
     """Return how long a span is in each world, (COUNT,)."""
     return np.broadcast_to(np.asarray(spot.end) - np.asarray(spot.begin), (COUNT,))
@@ -222,7 +247,7 @@ def length_of(spot: Spot) -> Floats:
 
 def _length(context: Context, span: Expression) -> Numbers:
     context.timed()
-    return Numbers(length_of(evaluate(span, context)), clock_unit(context), TOGETHER_S)
+    return duration(context, length_of(evaluate(span, context)))
 
 
 def _lasts(context: Context, events: Expression) -> Numbers:
@@ -236,7 +261,7 @@ def _lasts(context: Context, events: Expression) -> Numbers:
         last = np.minimum(happening.end_s, end)
         total = total + np.where(is_so, np.maximum(last - first, 0.0), 0.0)
         until = np.where(is_so, np.maximum(until, last), until)
-    return Numbers(total, clock_unit(context), TOGETHER_S)
+    return duration(context, total)
 
 
 def _time_while(context: Context, inner: Expression) -> Numbers:
@@ -248,7 +273,7 @@ def _time_while(context: Context, inner: Expression) -> Numbers:
     for part, found in moments(context, inner):
         total = total + weights[at : at + len(part)] @ found
         at += len(part)
-    return Numbers(total, clock_unit(context), TOGETHER_S)
+    return duration(context, total)
 
 
 def _share(context: Context, inner: Expression) -> Numbers:
@@ -263,12 +288,12 @@ def _count(context: Context, events: Expression) -> Numbers:
 
 def _delay(context: Context, early: Expression, late: Expression) -> Numbers:
     far = np.asarray(evaluate(late, context)) - np.asarray(evaluate(early, context))
-    return Numbers(np.broadcast_to(far, (COUNT,)), clock_unit(context), TOGETHER_S)
+    return duration(context, np.broadcast_to(far, (COUNT,)))
 
 
 def _clock(context: Context, time: Expression) -> Numbers:
     at = np.asarray(evaluate(time, context)) - context.timed().begin_s
-    return Numbers(np.broadcast_to(at, (COUNT,)), clock_unit(context), TOGETHER_S)
+    return duration(context, np.broadcast_to(at, (COUNT,)))
 
 
 def _fact(context: Context, value: float | None, unit: str, reason: str = "rate") -> Numbers:
@@ -387,7 +412,7 @@ PRIMITIVES |= {
     "area": _area,
     "place-x": lambda context: _fact(context, 100 * placed(context)[0], "percent"),
     "place-y": lambda context: _fact(context, 100 * placed(context)[1], "percent"),
-    "frame-rate": lambda context: _fact(context, context.evidence.recording.rate_hz, ""),
+    "frame-rate": lambda context: _fact(context, context.evidence.recording.rate_hz, "frame/s"),
     "frame-width": lambda context: _size(context, context.evidence.recording.columns),
     "frame-height": lambda context: _size(context, context.evidence.recording.rows),
     "frame-count": lambda context: _fact(context, context.evidence.recording.frames, ""),

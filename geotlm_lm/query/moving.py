@@ -35,7 +35,7 @@ from geotlm_lm.query.values import (
     Movement,
     Shown,
 )
-from geotlm_lm.query.worlds import COUNT, Happening, way_of
+from geotlm_lm.query.worlds import COUNT, KINDS, Happening, way_of
 
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
@@ -102,10 +102,25 @@ def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
     if not named:
         rest = float(np.broadcast_to(trait(context, "still"), (COUNT,)).mean())
         return Moved(rest=Motion.STILL, probability=rest, **unmoved)
+    named = _sure_together(named, asked, moving, right)
     for each in named:
-        right &= moving[each][1]
+        right = right & moving[each][1]
     movements = tuple(moving[each][0] for each in named)
     return Moved(movements=movements, probability=float(right.mean()), **unmoved)
+
+
+def _sure_together(named, asked, moving, right) -> list[Component]:
+    """Return what is told: of what nobody asked for, none that makes the whole a guess."""
+    while (
+        len(named) > 1
+        and np.all([right, *(moving[each][1] for each in named)], axis=0).mean() < 0.5
+    ):
+        spare = [each for each in named if each not in asked]
+        if not spare:
+            break
+        doubtful = min(spare, key=lambda each: moving[each][0].chance)
+        named = [each for each in named if each is not doubtful]
+    return named
 
 
 def _movement(context: Context, component: Component) -> tuple[Movement, NDArray[np.bool_]] | None:
@@ -230,6 +245,8 @@ def moved_on_thread(context: Context) -> Moved:
     if turn.rest or turn.denied:
         return turn  # neither tightens nor loosens
     chances = {word: float(np.mean(trait(context, word))) for word in ("tighten", "loosen")}
+    if min(chances.values()) >= 0.5:  # there and back: it does both, one after the other
+        return replace(turn, tightens=None, probability=min(chances.values()))
     word = max(chances, key=chances.__getitem__)
     return replace(turn, tightens=word == "tighten", probability=chances[word])
 
@@ -243,6 +260,11 @@ def shown_in(context: Context, at_s: float | None = None) -> tuple[Shown, ...]:
                  if each.probability >= 0.5)  # fmt: skip
 
 
+def of_components(shown: tuple[Shown, ...], components: tuple[Component, ...]) -> tuple[Shown, ...]:
+    """Return what is shown but for motions of other components."""
+    return tuple(each for each in shown if KINDS.get(each.kind) in (None, *components))
+
+
 def story_of(context: Context) -> tuple[Shown, ...]:
     """Return all that likely happens in the span, by when it begins."""
     if not context.worlds.is_timed:
@@ -250,7 +272,19 @@ def story_of(context: Context) -> tuple[Shown, ...]:
     begin, end = (middle(context, each) for each in context.span)
     likely = [each for each in context.worlds.happenings if each.probability >= 0.5]
     inside = [each for each in likely if each.end_s >= begin and each.begin_s <= end]
-    return tuple(shown(context, each) for each in inside)
+    parts = [(each, clipped(each, begin, end)) for each in inside]
+    # What only touches the span's border lies outside; what happens at one moment has no length.
+    return tuple(shown(context, part) for each, part in parts
+                 if part.end_s > part.begin_s or each.begin_s == each.end_s)  # fmt: skip
+
+
+def clipped(happening: Happening, begin_s: float, end_s: float) -> Happening:
+    """Return what of a happening lies in a span."""
+    if begin_s <= happening.begin_s and happening.end_s <= end_s:
+        return happening
+    first, last = max(begin_s, happening.begin_s), min(end_s, happening.end_s)
+    share = float(happening.share_at(np.asarray(last)) - happening.share_at(np.asarray(first)))
+    return replace(happening, begin_s=first, end_s=last, twist=share * happening.twist)
 
 
 def shown(context: Context, happening: Happening) -> Shown:

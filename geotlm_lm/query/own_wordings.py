@@ -16,7 +16,6 @@ from geotlm_lm.core.files import training_templates
 from geotlm_lm.data.question_contents import OPTION_STYLES
 from geotlm_lm.data.templates import FORMS, Wording, load_templates
 from geotlm_lm.query.clauses import Clause, Family
-from geotlm_lm.query.types import ASKS
 
 ATOM_OF = {"clockwise": "cw", "counterclockwise": "ccw", "press": "in", "release": "out"}
 """Words of a query for motions that it calls otherwise."""
@@ -73,8 +72,7 @@ def own_families() -> list[Family]:
 
 def _families(type_id: str, wording: Wording, query: str) -> Iterator[Family]:
     split = "blind" if wording.is_held_out else "train"
-    kind = next(word for word in query.split() if word in ASKS)
-    name = f"{kind}/own-{type_id}-{wording.id}"
+    name = f"own-{type_id}/own-{type_id}-{wording.id}"
     text = wording.text.rstrip(_MARKS)
     end = wording.text[len(text) :].strip()
     if "{options}" in query:
@@ -104,7 +102,7 @@ def _with_options(text: str, count: int) -> tuple[tuple[str, ...], str]:
         for style, separator in product(OPTION_STYLES, SEPARATORS)
     ]
     texts = tuple(_renamed(text.replace("{options}", "\0")).replace("\0", one) for one in lists)
-    return texts, " , ".join(f"{letter} {phrase}" for letter, phrase in labelled)
+    return texts, " | ".join(f"{letter} {phrase}" for letter, phrase in labelled)
 
 
 def _of_form(text: str, form: str) -> list[str]:

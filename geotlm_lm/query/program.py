@@ -19,9 +19,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS, Edit
-from geotlm_lm.query import types as t
 from geotlm_lm.query.facts import FACTS, read_fact, write_fact
-from geotlm_lm.query.types import SETTINGS, TOPICS, UNANSWERABLE, UNITS, Fact, Quantity, Slot
+from geotlm_lm.query.types import (
+    SETTINGS,
+    TALK,
+    TOPICS,
+    UNANSWERABLE,
+    UNITS,
+    Fact,
+    Quantity,
+    Slot,
+)
 from geotlm_lm.query.words import Malformed, Words, number_word
 
 WAYS = ("cw", "ccw", "left", "right", "up", "down", "in", "out")
@@ -47,7 +55,12 @@ COUNTS = tuple(map(str, range(13)))
 
 HALVES = ("upper", "lower", "left-half", "right-half")
 LABELS = (*"ABCDEF", *"123456", "-1", "0")
-TALK = (*t.TALK, "statement")
+
+TWO_CLIPS = (
+    *("same", "opposite", "mirrored", "more", "less", "as-far", "both", "either", "neither"),
+    *("only-one", "which-clip", "which-more", "which-less", "each-clip"),
+)
+"""What is asked of two clips together."""
 
 FORMS = (
     "sentence", "word", "letter", "number", "sign", "yes-no", "one-zero", "brief", "bare",
@@ -329,21 +342,16 @@ def read(line: str, slots: int = MOST_SLOTS, texts: int = MOST_SLOTS) -> Program
     return _read(Words(line.split(), slots), texts)
 
 
-def next_words(prefix: Sequence[str], slots: int, texts: int = 0) -> frozenset[str]:
-    """Return the words that may follow a beginning, `words.END` among them where it is whole.
-
-    Raises:
-        Malformed: If no program begins so.
-    """
-    return begun(prefix, slots, texts)[0]
-
-
 def begun(
     prefix: Sequence[str], slots: int, texts: int = 0
 ) -> tuple[frozenset[str], tuple[str, tuple[Argument, ...]] | None]:
     """Return the words that may follow, and the innermost primitive that lacks an argument.
 
-    The primitive comes with the arguments it has; None where none is open.
+    `words.END` is among them where the beginning is whole. The primitive comes with the arguments
+    it has; None where none is open.
+
+    Raises:
+        Malformed: If no program begins so.
     """
     words = Words([*prefix, ""], slots)  # no word: whatever could stand here is what is missed
     try:
@@ -449,6 +457,12 @@ def head_of(expression: Expression) -> Expression:
     while expression.word in _WRAPPERS and expression.arguments and expression.word != "if":
         expression = expression.arguments[-1]
     return expression
+
+
+def asks_of_two(expression: Expression) -> bool:
+    """Tell whether something is asked of two clips together."""
+    words = {each.word for each in expression}
+    return bool(words & set(TWO_CLIPS)) or {"of-first", "of-second"} <= words
 
 
 def filled(value: Any, quantities: Sequence[Quantity], texts: Sequence[str] = ()) -> Any:

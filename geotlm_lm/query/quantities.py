@@ -5,9 +5,9 @@ A query copies them by place: `#2` is the second that is found.
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -27,6 +27,11 @@ LARGEST = 1e12
 
 _FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
 _CLOCK = re.compile(r"(\d{1,3}):([0-5]\d(?:\.\d+)?)(?![\d:])")
+_PI = re.compile(
+    r"(?:(\d+(?:\.\d+)?)\s*\*?\s*)?(?:pi|π)(?![^\W\d])(?:\s*/\s*(\d+(?:\.\d+)?))?"
+    r"(?:\s*rad(?:ian)?s?\b)?",
+    re.IGNORECASE,
+)
 _BEFORE = re.compile(r"([^\W\d_]+)\s*#?$")
 _WORD = re.compile(r"[^\W\d_]+\.?|[°%/\"]|[-–]")
 _SPACES = re.compile(r"[\s_]*")
@@ -74,7 +79,7 @@ def find(text: str) -> list[Found]:
     found: list[Found] = []
     at = 0
     while at < len(text):
-        one = _figure_at(text, at) or _words_at(text, at)
+        one = _pi_at(text, at) or _figure_at(text, at) or _words_at(text, at)
         if one is None:
             step = _WORD.match(text, at) if text[at].isalpha() else None
             at = step.end() if step else at + 1
@@ -83,6 +88,14 @@ def find(text: str) -> list[Found]:
         found[-1 if scale else len(found) :] = [scale or one]
         at = one.end
     return found
+
+
+def _pi_at(text: str, at: int) -> Found | None:
+    match = _PI.match(text, at)
+    if match is None or (at > 0 and (text[at - 1].isalnum() or text[at - 1] in "._")):
+        return None
+    times, over = (float(part) if part else 1.0 for part in match.groups())
+    return Found(Quantity(math.pi * times / over, "rad"), at, match.end()) if over else None
 
 
 def _scale(one: Found, other: Found, text: str) -> Found | None:
@@ -293,9 +306,3 @@ def in_base(quantity: Quantity) -> tuple[float, str, str]:
     if per in FACTORS["time"]:
         value, per = value / FACTORS["time"][per], "s"
     return value, unit, per
-
-
-def sharing_units(found: Sequence[Quantity]) -> tuple[Quantity, ...]:
-    """Return two ends of a range in one unit: "10 to 20 degrees" says it once."""
-    unit = next((one.unit for one in found if one.unit), "")
-    return tuple(one if one.unit else Quantity(one.value, unit) for one in found)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -27,15 +27,13 @@ from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.reading import Reading
-from geotlm_lm.query.sentences import Sentence, chance_lost, chance_of, read_alone, read_apart
 from geotlm_lm.query.spelling import Spelling
-from geotlm_lm.query.text import next_words
 from geotlm_lm.query.words import END
 
 SIZE = LanguageSize(width=192, layers=6, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
 """3.1 million weights; a question of 2,000 characters and a query of 64 words fit."""
 
-MOST_WORDS = 64
+MOST_WORDS = 80
 DOUBTFUL = 0.02
 """Share of its best word's probability from which on another word is worth a second reading."""
 
@@ -99,24 +97,6 @@ class Reader:
         Raises:
             UsageError: If the question is empty or too long.
         """
-        whole = self._read_whole(text, most, sure)
-        said = read_alone(text, lambda one: self._read_whole(one, 1, sure)[0])
-        apart = read_apart(said, lambda rest: self._read_whole(rest, most, sure))
-        first, second = sorted(
-            (self._doubted(whole, said), self._doubted(apart, said)), key=chance_of, reverse=True
-        )
-        if second and first[0].probability < sure and not first[0].means(second[0]):
-            other = replace(second[0], chance=second[0].chance * (1 - first[0].chance))
-            first = sorted([*first, other], key=lambda one: -one.chance)
-        return [replace(one, probability=self.calibrated(one.chance)) for one in first[:most]]
-
-    def _doubted(self, readings: list[Reading], said: list[Sentence]) -> list[Reading]:
-        """Return readings by what they lack of sentences that were read alone, the best first."""
-        kept = [replace(one, chance=one.chance * (1 - chance_lost(one, said))) for one in readings]
-        found = [replace(one, probability=self.calibrated(one.chance)) for one in kept]
-        return sorted(found, key=lambda one: -one.chance)
-
-    def _read_whole(self, text: str, most: int, sure: float) -> list[Reading]:
         spelled = self.spelling.question(text)
         if len(spelled.ids) < 2:
             raise UsageError(
@@ -134,16 +114,18 @@ class Reader:
         embedded = self._decoder.embeddings[spelled.ids]
         hidden = self._decoder.read(embedded, cache, both_ways=True)[-1]
         begun = _Begun(hidden, cache, cache.length)
-        words, chance, others = self._written(begun, [], numbers)
+        texts = tuple(each.text for each in spelled.copied)
+        words, chance, others = self._written(begun, [], numbers, len(texts))
         found = [(words, chance)]
         if self.calibrated(chance) < sure:
             for beginning, share in sorted(others, key=lambda one: -one[1])[: most - 1]:
-                rest, other, _ = self._written(begun, beginning, numbers)
+                rest, other, _ = self._written(begun, beginning, numbers, len(texts))
                 found.append((rest, min(other, share)))
-        return [
-            Reading(" ".join(words), numbers, self.calibrated(chance), chance)
+        readings = [
+            Reading(" ".join(words), numbers, texts, self.calibrated(chance), chance)
             for words, chance in found
         ]
+        return sorted(readings, key=lambda reading: -reading.chance)
 
     def calibrated(self, chance: float) -> float:
         """Return the calibrated probability of readings that the model writes with a chance."""
@@ -160,6 +142,7 @@ class Reader:
         begun: _Begun,
         beginning: Sequence[str],
         numbers: Sequence[Quantity],
+        texts: int,
     ) -> tuple[list[str], float, list[tuple[list[str], float]]]:
         """Return a query's words behind a beginning, its probability, and turnings off it."""
         hidden, cache, words = begun.hidden, begun.cache, []
@@ -167,8 +150,7 @@ class Reader:
         log_chance = 0.0
         others: list[tuple[list[str], float]] = []
         while len(words) < MOST_WORDS:
-            formed = next_words(words, len(numbers)) & self.spelling.id_of.keys()
-            allowed = sorted(fitting(words, formed, numbers))
+            allowed = sorted(fitting(words, numbers, texts) & self.spelling.id_of.keys())
             ids = [self.spelling.id_of[word] for word in allowed]
             told = log_softmax(self._decoder.logits(hidden))[ids]
             order = (-told).argsort(kind="stable")

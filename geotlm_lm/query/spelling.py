@@ -14,10 +14,10 @@ from functools import cached_property
 
 from tokenizers import Tokenizer
 
+from geotlm_lm.query.copied import Copied, copied
 from geotlm_lm.query.lexicon import Lexicon
+from geotlm_lm.query.program import MOST_SLOTS, PROGRAM_WORDS, UNITS
 from geotlm_lm.query.quantities import Found, find
-from geotlm_lm.query.text import MOST_SLOTS, QUERY_WORDS
-from geotlm_lm.query.types import UNITS
 from geotlm_lm.query.words import END
 
 UNIT_WORDS = (
@@ -31,21 +31,17 @@ SIZE_WORDS = ("size:negative", "size:other", *(f"size:{one}" for one in SIZES))
 READ = "<read>"
 """Ends the question; the query begins."""
 
-WORDS = (READ, END, *QUERY_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+WORDS = (READ, END, *PROGRAM_WORDS, *UNIT_WORDS, *SIZE_WORDS)
 _SPACES = re.compile(r"\s+")
 
 
 @dataclass(frozen=True)
 class Spelled:
-    """A question for its reader.
+    """A question for its reader."""
 
-    Args:
-        ids: Up to and with `READ`.
-        found: The quantities that stand as slots, placed in the mended text.
-    """
-
-    ids: list[int]
-    found: tuple[Found, ...]
+    ids: list[int]  # up to and with `READ`
+    found: tuple[Found, ...]  # the quantities that stand as slots, placed in the mended text
+    copied: tuple[Copied, ...] = ()  # the words that may be copied, likewise
 
 
 @dataclass(frozen=True)
@@ -76,15 +72,18 @@ class Spelling:
     def question(self, text: str) -> Spelled:
         """Return the ids of a question: mended, lower case, its first numbers as slots."""
         text = self.lexicon.mended(text)
-        found = tuple(find(text)[:MOST_SLOTS])
+        found, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[:MOST_SLOTS])
+        marks = [(each.start, each.end, f"#{k}", _said(each)) for k, each in enumerate(found, 1)]
+        # A word that may be copied is read as well: its place stands before it.
+        marks += [(each.start, each.start, f"@{k}", []) for k, each in enumerate(words, 1)]
         ids: list[int] = []
         at = 0
-        for place, one in enumerate(found, 1):
-            ids += self._text(text[at : one.start])
-            ids += [self.id_of[word] for word in (f"#{place}", *_said(one))]
-            at = one.end
+        for start, end, slot, said in sorted(marks, key=lambda mark: mark[0]):
+            ids += self._text(text[at:start])
+            ids += [self.id_of[word] for word in (slot, *said)]
+            at = max(at, end)
         ids += self._text(text[at:])
-        return Spelled([*ids, self.id_of[READ]], found)
+        return Spelled([*ids, self.id_of[READ]], found, words)
 
     def query(self, words: Sequence[str]) -> list[int]:
         """Return a query's ids, its end among them."""

@@ -52,7 +52,8 @@ def trait(context: Context, word: str) -> Floats:
         moves = reduce(np.maximum, (_moves(context, component) for component in COMPONENTS))
         return _touched(context) * (1 - moves)
     if word == "move":
-        return np.maximum(*(_moves(context, component) for component in COMPONENTS[:2]))
+        known = COMPONENTS if worlds.belief.is_contact_known else COMPONENTS[:2]
+        return reduce(np.maximum, (_moves(context, component) for component in known))
     if word in ("x", "y"):
         sides = ("left", "right") if word == "x" else ("up", "down")
         return np.maximum(*(_goes(context, side) for side in sides))

@@ -109,6 +109,12 @@ def clock_unit(context: Context) -> str:
     return "s" if context.evidence.recording.rate_hz else "frame"
 
 
+def clock_step(context: Context) -> float:
+    """Return how long a unit of the recording's clock is on the track's own, seconds."""
+    recording = context.evidence.recording
+    return 1.0 if recording.rate_hz else recording.step_s or 1.0
+
+
 def constant(_: Context, quantity: Quantity) -> Numbers:
     """Return a number that is stated, the same in every world, in the base of its unit."""
     value, unit, per = in_base(quantity)

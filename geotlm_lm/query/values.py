@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, Component
-from geotlm_lm.query.amounts import Measure
+from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.program import Expression
 from geotlm_lm.track.events import EventKind
 
@@ -64,6 +64,7 @@ class Unknown(Value):
     """It cannot be told, and why: a name of `replies.toml`."""
 
     reason: str
+    detail: str = ""  # what is told besides
     probability: float = 0.0
 
     @property
@@ -80,6 +81,8 @@ class Truth(Value):
     chance: float  # that it holds
     motion: Moved | None = None
     amounts: tuple[Measure, ...] = ()
+    times_s: tuple[float, ...] = ()  # of what happens, or is put in order
+    each: tuple[Value, ...] = ()  # of two clips that are compared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +121,7 @@ class Choice(Value):
     chosen: tuple[int, ...]  # places of the options
     chances: tuple[float, ...]  # of each
     motion: Moved | None = None
+    each: tuple[Value, ...] = ()  # of two clips that are compared
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,8 +132,18 @@ class Record(Value):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Placed(Value):
+    """Where the middle of the contact lies, as shares of the image, and how much is covered."""
+
+    across: float
+    down: float
+    share: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Remark(Value):
     """Something told of the file, the set-up, the answer before, or of no motion at all."""
 
     kind: str
     topic: str | None = None
+    recording: Recording | None = None  # that a fact about a file is of

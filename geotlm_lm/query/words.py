@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.query import types as t
+from geotlm_lm.query.types import Number, Quantity, Slot
 
 END = "<end>"
 """Stands among the next words where a query may end."""
@@ -52,13 +52,13 @@ class Words:
         """Return the next word if it is one of some."""
         return self.take(*names) if self.has(*names) else None
 
-    def number(self) -> t.Number:
+    def number(self) -> Number:
         """Return a slot, or a quantity written out as "12.5:deg"."""
         if self.at < len(self.words) and ":" in self.words[self.at]:
             value, _, unit = self.words[self.at].partition(":")
             self.at, self.expected = self.at + 1, set()
-            return t.Quantity(float(value), unit)
-        return t.Slot(int(self.take(*(f"#{k + 1}" for k in range(self.slots)))[1:]))
+            return Quantity(float(value), unit)
+        return Slot(int(self.take(*(f"#{k + 1}" for k in range(self.slots)))[1:]))
 
     def close(self) -> None:
         """Require that no word is left."""
@@ -66,6 +66,6 @@ class Words:
             raise Malformed(self.words, self.at, sorted({*self.expected, END}))
 
 
-def number_word(value: t.Number) -> str:
+def number_word(value: Number) -> str:
     """Return a number as `Words.number` reads it: "#2", or "12.5:deg"."""
-    return f"#{value.index}" if isinstance(value, t.Slot) else f"{value.value!r}:{value.unit}"
+    return f"#{value.index}" if isinstance(value, Slot) else f"{value.value!r}:{value.unit}"

@@ -9,6 +9,7 @@ equal: see `reading_rows`.
 
 from __future__ import annotations
 
+import json
 import math
 import time
 from collections.abc import Iterator, Sequence
@@ -17,6 +18,7 @@ from itertools import islice
 from pathlib import Path
 
 import torch
+from safetensors.torch import load_file
 from tokenizers import Tokenizer
 from torch import Tensor
 from torch.nn.functional import cross_entropy, one_hot, pad
@@ -89,6 +91,7 @@ class _Shared:
     ranks: Ranks
     workers: int
     progress: Progress
+    begun: tuple[dict[str, Tensor], dict[str, int]] | None = None  # weights, and ids of its words
 
 
 def train_reader(
@@ -98,6 +101,7 @@ def train_reader(
     progress: Progress = silent,
     ranks: Ranks = ALONE,
     workers: int = 0,
+    start: Path | None = None,
 ) -> Reader:
     """Return a reader, not yet calibrated; goes on from the checkpoints in `folder`.
 
@@ -111,14 +115,21 @@ def train_reader(
         progress: Told after each step.
         ranks: Which process this is, and where it trains.
         workers: Processes of the first rank that draw questions; 0 for itself.
+        start: Folder of a reader to go on from, of this size, whatever language it wrote: it knows
+            the words of questions already. None for random weights.
 
     Raises:
         UsageError: If a checkpoint belongs to another configuration, or the batch does not divide
             among the ranks.
     """
     ranks.refuse_uneven(config.batch)
-    tokenizer, lexicon = ranks.from_first(lambda: train_vocabulary(config, corpus))
-    shared = _Shared(Spelling(tokenizer, lexicon=lexicon), corpus, ranks, workers, progress)
+    if start is None:
+        tokenizer, lexicon = ranks.from_first(lambda: train_vocabulary(config, corpus))
+        begun = None
+    else:
+        tokenizer, lexicon, begun = _begun(start, config)
+    spelling = Spelling(tokenizer, lexicon=lexicon)
+    shared = _Shared(spelling, corpus, ranks, workers, progress, begun)
     seeds = [seed_for(config.seed, "reading", "teacher", one) for one in range(config.teachers)]
     teachers = [
         _learned(f"teacher_{place}", replace(config, seed=seed), folder, shared)
@@ -146,6 +157,29 @@ def train_vocabulary(config: ReadingTraining, corpus: Sequence[Pair]) -> tuple[T
     return tokenizer, Lexicon.of(texts)
 
 
+def _begun(start: Path, config: ReadingTraining):
+    """Return byte pairs, frequent words, and the weights of a reader and the ids of its words."""
+    stored = json.loads((start / "config.json").read_text(encoding="utf-8"))
+    tokenizer = Tokenizer.from_file(str(start / "tokenizer.json"))
+    tokenizer.model.dropout = config.dropout
+    lexicon = Lexicon(tuple(stored["lexicon"].split()), int(stored["frequent_words"]))
+    weights = {name: x.float() for name, x in load_file(start / "model.safetensors").items()}
+    return tokenizer, lexicon, (weights, Spelling(tokenizer, tuple(stored["words"])).id_of)
+
+
+def _take(
+    model: QuestionDecoder, spelling: Spelling, weights: dict[str, Tensor], ids: dict[str, int]
+) -> None:
+    """Take another reader's weights; of the words of its language only those that this one has."""
+    name = "decoder.embed_tokens.weight"
+    own, others = model.state_dict()[name].clone(), weights[name]
+    texts = spelling.tokenizer.get_vocab_size()
+    own[:texts] = others[:texts]
+    for word in spelling.id_of.keys() & ids.keys():
+        own[spelling.id_of[word]] = others[ids[word]]
+    model.load_state_dict(weights | {name: own})
+
+
 def rate_at(step: int, config: ReadingTraining) -> float:
     """Return the learning rate of a step."""
     if step < config.warmup:
@@ -164,6 +198,8 @@ def _learned(
     """Return a model that learned from labels, or from teachers where there are any."""
     ranks = shared.ranks
     model = _fresh(config, shared.spelling.size)
+    if shared.begun is not None:
+        _take(model, shared.spelling, *shared.begun)
     if teachers:
         model.load_state_dict(teachers[0].state_dict())
     model.to(ranks.device)

@@ -30,7 +30,7 @@ EXCHANGED = 0.5
 """Of a text's tokens that are hidden from a taught reader, those that others stand for."""
 LIGHTLY = 0.1
 """Share of a text's tokens hidden below which its label still holds."""
-POOL = 8
+POOL = 16
 """Steps whose questions are drawn together, so that each step's are of about one length."""
 
 

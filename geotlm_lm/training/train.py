@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
-from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -35,8 +34,8 @@ from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
-from geotlm_lm.query.grammar import corpus, grammar
-from geotlm_lm.query.labelled import TUNE, Labelled, labelled
+from geotlm_lm.query.grammar import corpus
+from geotlm_lm.query.labelled import TUNE, labelled
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.training.calibration import (
     calibrated_reader,
@@ -77,8 +76,6 @@ from geotlm_lm.training.scoring import (
     true_option_likelihoods,
     write_card,
 )
-
-CALIBRATION_PAIRS = 1500
 
 
 def train(
@@ -428,6 +425,4 @@ def reader_of(
     reader = train_reader(config, folder, corpus("train"), progress, ranks, drawing)
     if not ranks.is_first:
         return reader
-    held = [*islice(grammar().pairs(seed, "validation"), CALIBRATION_PAIRS), *corpus("validation")]
-    questions = [Labelled(pair.text, (pair.query,)) for pair in held]
-    return calibrated_reader(reader, [*questions, *labelled(TUNE)])
+    return calibrated_reader(reader, labelled(TUNE))

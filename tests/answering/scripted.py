@@ -1,4 +1,4 @@
-"""A speaker and a belief that say what a test wrote down, around a model of random weights."""
+"""A reader and a belief that a test wrote down, around a model of random weights."""
 
 from dataclasses import replace
 from functools import partial
@@ -11,23 +11,10 @@ from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
-from geotlm_lm.language.parse_answer import Slots
 from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.reading import Reading
-
-
-class Scripted:
-    """Writes the sentence given for a question, else the one for any; remembers what it heard."""
-
-    model = SimpleNamespace(state_dict=dict)  # no weights: a digest has nothing of it to hold
-
-    def __init__(self, sentences):
-        self.sentences, self.heard = sentences, []
-
-    def would_write(self, fused_token, question, sentence):
-        self.heard.append(question)
-        return self.sentences.get(question, self.sentences.get("*")) == sentence
 
 
 def believed(*ways, share=0.97, contact=None, deg=12.0, px=14.0, mm=0.5, spread=0.05):
@@ -79,7 +66,8 @@ class Believing(Answerer):
 
     def _scripted(self, encoded):
         self.given.append(self.belief)
-        return replace(encoded, believe=partial(_scripted, self.belief))
+        # A track would be asked in place of what is believed.
+        return replace(encoded, track=None, believe=partial(_scripted, self.belief))
 
 
 def _scripted(belief, encoded):
@@ -87,9 +75,12 @@ def _scripted(belief, encoded):
 
 
 class ScriptedReader:
-    """Reads what a test wrote down, else takes the text itself for a query line."""
+    """Reads what a test wrote down, else takes the text itself for a program's line.
 
-    model = SimpleNamespace(state_dict=dict)
+    Several lines with their chances are as many readings.
+    """
+
+    model = SimpleNamespace(state_dict=dict)  # no weights: a digest has nothing of it to hold
 
     def __init__(self, lines=None, probability=0.98):
         self.lines, self.probability = {**READ, **(lines or {})}, probability
@@ -98,50 +89,45 @@ class ScriptedReader:
     def read(self, text):
         return self.readings(text)[0]
 
-    def readings(self, text, most=2, sure=1.0):
+    def readings(self, text, most=5, sure=1.0):
         self.heard.append(text)
-        line = self.lines.get(text, text)
-        return [Reading(line, quantities(text), self.probability, self.probability)]
+        lines = self.lines.get(text, text)
+        lines = [(lines, self.probability)] if isinstance(lines, str) else lines
+        numbers, texts = quantities(text), tuple(each.text for each in copied(text))
+        return [Reading(line, numbers, texts, chance, chance) for line, chance in lines]
 
     def calibrated(self, chance):
         return chance
 
 
 READ = {
-    "Which way?": "way",
-    "Which way is it going?": "way",
-    "Which way is it moving?": "way",
-    "Do they go the same way?": "compare same",
+    "Which way?": "way all",
+    "Which way is it going?": "way all",
+    "Which way is it moving?": "way all",
+    "Do they go the same way?": "same way all",
     "Which way is it turning?": "way turn",
-    "Is it turning clockwise?": "claim cw",
-    "How far?": "amount",
+    "Is it turning clockwise?": "cw",
+    "How far?": "extent",
     "How far did it turn?": "amount turn",
     "How far did it slide?": "amount slide",
-    "And mirrored?": "mirror > again",
-    "Are you sure?": "how-sure",
+    "And mirrored?": "mirror again",
+    "Are you sure?": "sure",
     "Why?": "why",
     "The image is mirrored.": "fact mirrored",
-    "Is anything touching the gel?": "claim touch",
-    "Is it moving?": "claim move",
+    "Is anything touching the gel?": "touch",
+    "Is it moving?": "move",
     "What kind of motion is it?": "kind",
-    "Do they turn the same way?": "compare same turn",
+    "Do they turn the same way?": "same way turn",
     "Thanks!": "talk thanks",
 }
-"""What is read of the questions of tests; any other text is its own query."""
+"""What is read of the questions of tests; any other text is its own line."""
 
 
-def answerer_saying(bundle, sentences, *, belief=None, understood=0.98, **calibration):
-    """An answerer whose model writes `sentences`, by question; "*" stands for any."""
-    speaker, calibration = Scripted(sentences), Calibration(**calibration)
+def feeling(bundle, *ways, belief=None, understood=0.98, **calibration):
+    """An answerer that believes `ways`, and reads as tests write down."""
     reader = ScriptedReader(probability=understood)
-    changed = replace(bundle, speaker=speaker, reader=reader, calibration=calibration)
-    return Believing(changed, belief or believed("left"))
-
-
-def feeling(bundle, *ways, belief=None, **options):
-    """An answerer that believes `ways` and whose model says the first of them."""
-    said = bundle.grammar.sentence(Slots("direction", Motion(ways[0])))
-    return answerer_saying(bundle, {"*": said}, belief=belief or believed(*ways), **options)
+    changed = replace(bundle, reader=reader, calibration=Calibration(**calibration))
+    return Believing(changed, belief or believed(*ways))
 
 
 def recording(frames=4, fps=None, seed=1, size=(48, 64)):

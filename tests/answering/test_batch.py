@@ -23,7 +23,7 @@ from tests.answering.scripted import feeling, recording
 from tests.data_sets.lerobot_files import CAMERA, turned, write_data_set
 from tests.tiny_bundle import tiny_bundle
 
-QUESTIONS = ["Which way?", "backwards > way"]
+QUESTIONS = ["Which way?", "backwards way all"]
 
 
 @pytest.fixture
@@ -32,7 +32,7 @@ def clips(tmp_path):
     folder = tmp_path / "clips"
     folder.mkdir()
     for name in ("a", "c"):
-        np.save(folder / f"{name}.npy", recording(frames=6).frames)
+        np.save(folder / f"{name}.npy", recording().frames)
     (folder / "b.npy").write_bytes(b"no array")
     (folder / "readme.txt").write_text("not a clip")
     return folder

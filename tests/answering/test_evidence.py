@@ -13,7 +13,7 @@ from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.read import read_clip
-from tests.answering.scripted import answerer_saying, recording
+from tests.answering.scripted import feeling, recording
 from tests.tiny_bundle import tiny_bundle
 
 
@@ -43,11 +43,11 @@ def test_every_region_has_its_own_means_of_the_shear_change():
 
 def told_of_file(answerer, clip, **options):
     encoded = answerer.encode(clip, **options)
-    return [answerer.ask(encoded, f"recording {topic}").text for topic in ("frames", "duration")]
+    return [answerer.ask(encoded, f"file {topic}").text for topic in ("frames", "duration")]
 
 
 def test_the_file_is_told_as_long_as_it_is_however_few_frames_were_looked_at():
-    answerer = answerer_saying(tiny_bundle(), {})
+    answerer = feeling(tiny_bundle(), "left")
     assert told_of_file(answerer, recording(2, fps=25.0)) == ["2 frames.", "0.08 s."]
     hundred = recording(100, fps=25.0)
     assert told_of_file(answerer, hundred, span=(24, 26)) == ["100 frames.", "4 s."]

@@ -9,7 +9,7 @@ from geotlm_lm import answer_schema
 from geotlm_lm.answering import Answerer
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.query.types import ASKS
+from geotlm_lm.query.program import _ANSWERS
 from tests.answering.scripted import feeling, recording
 
 SCHEMA = answer_schema()
@@ -26,11 +26,12 @@ def as_json(answer):
 
 
 LINES = (
-    "way", "kind", "claim cw", "choice A left , B right", "amount", "amount turn deg per-s",
-    "when turn begin", "how-long turn", "how-often turn", "order", "why", "how-sure cw", "place",
-    "alternatives", "compare same", "which-clip cw", "recording frames", "setup frame",
-    "again", "help", "talk thanks", "unanswerable force", "not-understood", "fact mirrored",
-    "undo > way", "way ; amount",
+    "way all", "kind", "cw", "choose A left | B right", "amount turn", "speed turn", "extent",
+    "unit thou amount slide", "count turn-events", "begin first turn-events", "first turn-events",
+    "share cw", "area", "time-while turn", "story", "why", "sure", "sure-of cw", "place",
+    "alternatives", "same way all", "which-clip cw", "file frames", "setup frame", "again", "help",
+    "talk thanks", "cannot force", "not-understood", "fact mirrored", "undo way all",
+    "way all ; extent", "record turn , amount turn end ; as json", "each turn-events way turn",
 )  # fmt: skip
 
 
@@ -39,6 +40,8 @@ def test_answers_of_every_kind_follow_the_schema(bundle, encoded, line):
     assert is_valid(as_json(feeling(bundle, "clockwise").ask(encoded, line)))
     withheld = feeling(bundle, "left", contact_threshold=1.1)
     assert is_valid(as_json(withheld.ask(encoded, line)))
+    followed = withheld.encode(recording(6, fps=25.0))
+    assert is_valid(as_json(withheld.ask(followed, line)))
 
 
 @pytest.mark.parametrize(
@@ -59,5 +62,5 @@ def test_a_broken_answer_is_refused(bundle, encoded, broken):
 
 def test_the_schema_names_every_motion_kind_and_fact():
     assert SCHEMA["$defs"]["motion"]["enum"] == [motion.value for motion in Motion]
-    assert set(SCHEMA["properties"]["kind"]["enum"]) == {*ASKS, "fact"}
+    assert set(SCHEMA["properties"]["kind"]["enum"]) == {*_ANSWERS, "fact"}
     assert set(SCHEMA["$defs"]["frame"]["required"]) == set(FrameSpec().to_dict())

@@ -16,9 +16,9 @@ def session(bundle):
 @pytest.mark.parametrize(
     ("first", "then", "way"),
     [
-        ("way turn", "mirror > again", Motion.COUNTERCLOCKWISE),
-        ("mirror > way turn", "backwards > again", Motion.CLOCKWISE),
-        ("way turn", "again sensor", Motion.COUNTERCLOCKWISE),
+        ("way turn", "mirror again", Motion.COUNTERCLOCKWISE),
+        ("mirror way turn", "backwards again", Motion.CLOCKWISE),
+        ("way turn", "as-sensor again", Motion.COUNTERCLOCKWISE),
     ],
 )
 def test_a_change_asks_of_what_was_asked_before(session, first, then, way):
@@ -30,17 +30,15 @@ def test_a_change_asks_of_what_was_asked_before(session, first, then, way):
 def test_talk_and_reasons_between_do_not_make_it_forget(session):
     for text in ("way turn", "Thanks!", "Why?", "Are you sure?"):
         session.ask(text)
-    assert session.ask("mirror > again").direction is Motion.COUNTERCLOCKWISE
-    assert session.ask("again rad").amount.unit == "rad"
+    assert session.ask("mirror again").direction is Motion.COUNTERCLOCKWISE
+    assert session.ask("unit rad again").amount.unit == "rad"
 
 
-@pytest.mark.parametrize(
-    "first", ["way turn ; as word", "way turn ; as json", "claim touch ; as yes-no"]
-)
+@pytest.mark.parametrize("first", ["way turn ; as word", "way turn ; as json", "touch ; as yes-no"])
 def test_a_point_of_view_that_no_sentence_named_is_named_yet(session, first):
     assert " image" not in session.ask(first).text.split('"frame"')[0]
-    assert session.ask("claim cw").text.endswith(", in the camera image.")
-    assert not session.ask("claim cw").text.endswith("image.")
+    assert session.ask("cw").text.endswith(", in the camera image.")
+    assert not session.ask("cw").text.endswith("image.")
 
 
 def test_a_point_of_view_is_named_when_it_is_new(session):
@@ -49,16 +47,16 @@ def test_a_point_of_view_is_named_when_it_is_new(session):
 
     assert named("Which way is it turning?")
     assert not named("way turn")
-    assert not named("claim cw")
-    assert named("mirror > way turn")
-    assert not named("mirror > amount turn")
-    session.take_back("mirror > amount turn")
-    session.take_back("mirror > way turn")
+    assert not named("cw")
+    assert named("mirror way turn")
+    assert not named("mirror amount turn")
+    session.take_back("mirror amount turn")
+    session.take_back("mirror way turn")
     assert not named("way turn")
     assert session.ask("way turn ; amount turn").text.count(" image") == 0
     session.add_clip(session.encoded)
     assert session.ask("way turn ; amount turn").text.count(" image") == 1
-    assert named("undo > way turn")
+    assert named("undo way turn")
 
 
 def test_what_was_stated_and_understood_holds_there_until_it_is_taken_back(session):
@@ -67,12 +65,12 @@ def test_what_was_stated_and_understood_holds_there_until_it_is_taken_back(sessi
     session.ask("fact not mirrored")
     assert session.ask("way turn").direction is Motion.CLOCKWISE
     session.ask("fact thread left ; fact side head")
-    assert session.ask("claim loosen").decided == "yes"
+    assert session.ask("loosen").decided == "yes"
     other = session.answerer.session(session.encoded)
     assert (other.frame, other.history) == (FrameSpec(), [])
     session.ask("fact not everything")
     assert session.frame == FrameSpec()
-    session.ask("fact mirrored ; fact unclear thread ; claim tighten")
+    session.ask("fact mirrored ; fact unclear thread ; tighten")
     assert session.frame == FrameSpec()
 
 
@@ -89,7 +87,7 @@ def test_a_clip_that_grows_leaves_the_last_answer_to_be_referred_to(session):
     session.grow(session.answerer.encode(recording()))
     assert len(session.clips) == 1
     assert session.ask("Are you sure?").text.endswith(first.text)
-    assert session.ask("mirror > again").direction is Motion.COUNTERCLOCKWISE
+    assert session.ask("mirror again").direction is Motion.COUNTERCLOCKWISE
     session.grow(session.answerer.encode(recording()))
     kept = [turn.encoded is not None for turn in session.history]
     assert kept == [False, False, True]  # each would keep its own frames
@@ -97,8 +95,8 @@ def test_a_clip_that_grows_leaves_the_last_answer_to_be_referred_to(session):
 
 def test_a_turn_is_taken_back_with_what_it_stated(session):
     session.ask("Which way?")
-    session.ask("fact mirrored ; way")
-    session.take_back("fact mirrored ; way")
+    session.ask("fact mirrored ; way all")
+    session.take_back("fact mirrored ; way all")
     assert session.frame == FrameSpec()
     assert [turn.question for turn in session.history] == ["Which way?"]
     session.take_back("How far?")
@@ -110,7 +108,7 @@ def test_two_clips_are_compared_and_each_can_be_asked_of(session):
     session.add_clip(session.answerer.encode(recording(seed=2)))
     same = session.ask("Do they turn the same way?")
     assert (same.decided, same.first.direction) == ("yes", Motion.CLOCKWISE)
-    assert session.ask("of-first > way turn").direction is Motion.CLOCKWISE
+    assert session.ask("of-first way turn").direction is Motion.CLOCKWISE
 
 
 def test_the_history_holds_every_turn_as_plain_values(session):
@@ -126,7 +124,15 @@ def test_what_is_told_of_the_clip_before_rests_on_it(bundle):
     session = answerer.session(answerer.encode(recording()))
     answerer.belief = believed("right")
     session.add_clip(answerer.encode(recording(seed=2)))
-    first = session.ask("of-first > way")
+    first = session.ask("of-first way all")
     assert first.direction is Motion.CLOCKWISE
+    assert session.ask("way all").direction is Motion.RIGHT
+
+
+def test_options_are_those_of_the_clip_that_is_told(bundle):
+    answerer = feeling(bundle, "clockwise")
+    session = answerer.session(answerer.encode(recording()))
+    answerer.belief = believed("right")
+    session.add_clip(answerer.encode(recording(seed=2)))
+    first = session.ask("of-first way all")
     assert max(first.options, key=first.options.get) == "clockwise"
-    assert session.ask("way").direction is Motion.RIGHT

@@ -13,20 +13,19 @@ from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.process import silent
-from geotlm_lm.data.templates import load_templates
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.read import frames_inside
 from geotlm_lm.track.tracker import Tracker, track_of
-from tests.answering.scripted import Scripted, ScriptedReader, believed
+from tests.answering.scripted import ScriptedReader, believed
 
 READ = {
     "Which way is the object turning?": "way turn",
-    "Which way does it go?": "way",
-    "When did it stop?": "when stops begin",
-    "How far did it go?": "amount",
+    "Which way does it go?": "way all",
+    "When did it stop?": "end last move-events",
+    "How far did it go?": "extent",
     "I look from the object's side.": "fact seen object",
-    "0.05 mm per pixel. Which way?": "fact scale #1 ; way",
+    "0.05 mm per pixel. Which way?": "fact scale #1 ; way all",
 }
 
 
@@ -50,8 +49,6 @@ class FakeAnswerer(Answerer):
             model=SimpleNamespace(probe=FakeProbe()),
             calibration=Calibration(contact_threshold=0.005),
             reader=ScriptedReader(READ),
-            speaker=Scripted({}),
-            grammar=load_templates().grammar(),
         )
         super().__init__(bundle)
 

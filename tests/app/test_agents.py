@@ -70,7 +70,7 @@ def test_an_agent_lists_recordings_tracks_one_asks_three_questions_and_looks(tal
     assert turn["low"] < 30 < turn["high"]
     assert track["totals"]["turn_in_all"]["amount"] > abs(track["totals"]["turn_net"]["amount"])
     assert (track["rows"], track["recording"]) == ([], "turn.npz")
-    assert all(one["direction"] in ("left", "right") for one in answers[:1])
+    assert answers[0]["direction"] == turn["way"]
     for result in pictures:
         told, image = result.content
         assert json.loads(told.text) == result.structuredContent
@@ -131,8 +131,8 @@ def test_each_topic_of_a_bag_is_a_recording_of_its_own(use, bag):
     ways = [one.structuredContent["direction"] for one in asked]
     assert ways == ["right", "left", "right"]
     assert compared.structuredContent["relation"] == "opposite"
-    assert_refused(none, "clip.mcap: holds images on 2 topics, /left (6 images), /right (6 images)")
-    assert_refused(unknown, "clip.mcap: holds no images on the topic /up, expected /left (6 ")
+    assert_refused(none, "clip.mcap: holds images on 2 topics, /left (4 images), /right (4 images)")
+    assert_refused(unknown, "clip.mcap: holds no images on the topic /up, expected /left (4 ")
 
 
 def test_a_client_that_wants_to_know_is_told_how_far_tracking_is(talk, folder, monkeypatch):

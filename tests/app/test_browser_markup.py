@@ -31,7 +31,7 @@ class Echoing(FakeAnswerer):
 
 class EchoingSession(Session):
     def ask(self, question):
-        self.answerer.bundle.reader.lines[question] = "way"
+        self.answerer.bundle.reader.lines[question] = "way all"
         answer = super().ask(question)
         return replace(answer, text=f"You said {question}", notes=(f"Noted: {question}",))
 

@@ -140,7 +140,7 @@ def answers(watched, question, facts=(), mm_per_px=0):
 def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
     frames, clock, monkeypatch
 ):
-    monkeypatch.setitem(READ, "Which way does it go?", "way")
+    monkeypatch.setitem(READ, "Which way does it go?", "way all")
     watched = LiveSession()
     with pytest.raises(GeoTLMError, match="^Nothing was watched yet; start the camera or a rec"):
         answers(watched, "Which way does it go?")
@@ -182,7 +182,7 @@ def test_frames_that_are_kept_are_bounded_and_enough_for_a_question(
 
 
 def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, monkeypatch):
-    monkeypatch.setitem(READ, "Which way does it go?", "way")
+    monkeypatch.setitem(READ, "Which way does it go?", "way all")
     watched, talk = LiveSession(), LiveTalk(FakeAnswerer())
     followed(frames, watched)
     session = watched.stream.shown().session

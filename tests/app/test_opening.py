@@ -61,7 +61,7 @@ def content(file):
 @pytest.fixture
 def talked():
     answerer = FakeAnswerer()
-    answerer.bundle.reader.lines["Which & way?"] = "way"
+    answerer.bundle.reader.lines["Which & way?"] = "way all"
     shown = perceive(answerer, clip_of(4))
     shown.session.ask("Which & way?")
     return shown

@@ -28,7 +28,7 @@ def test_it_listens_on_this_machine_only(address):
 def test_a_question_about_an_upload_is_answered(client, recordings):
     sent = handle_file(recordings["bright"])
     answer = client.predict(sent, "Which way?", api_name="/ask")
-    assert (answer["direction"], answer["query"]) == ("right", "way")
+    assert (answer["direction"], answer["query"]) == ("right", "way all")
     assert "second_opinions" not in answer  # they are evidence
 
 
@@ -57,7 +57,7 @@ def test_a_mistake_is_one_sentence_and_no_trace(client, tmp_path):
 
 
 def test_clients_at_once_never_get_each_others_answers(address, tmp_path):
-    levels, asked = (40, 70, 130, 190), ["way", "kind", "amount"]
+    levels, asked = (40, 70, 130, 190), ["way all", "kind", "extent"]
 
     def talk(level):
         client = Client(address, verbose=False)

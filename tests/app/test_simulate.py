@@ -43,7 +43,7 @@ def test_all_components_of_a_touch_are_true_at_once_and_each_is_a_right_answer()
     assert facts["moves"] == {"turn": True, "slide": True, "press": True}
     assert facts["is_right"]
     assert facts["answer"].startswith("It slides left, about ")
-    assert facts["how_far"].startswith("About ")
+    assert facts["how_far"].startswith("It slides left, about ")
     assert not simulate(FakeAnswerer(), replace(touch, slide_x_mm=0.0)).facts["is_right"]
 
 

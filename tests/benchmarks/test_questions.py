@@ -16,6 +16,7 @@ from geotlm_lm.benchmarks.questions import (
     UNSEEN,
     WORDS,
     Asked,
+    Truth,
     calibration,
     claim_of,
     is_right,
@@ -30,7 +31,7 @@ from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
 from geotlm_lm.query.reading import Reading
 from geotlm_lm.query.types import WAY_ATOMS
-from tests.answering.scripted import ScriptedReader, answerer_saying, believed, recording
+from tests.answering.scripted import ScriptedReader, believed, feeling, recording
 from tests.tiny_bundle import tiny_bundle
 
 CAMERA, HEAD = FrameSpec(), FrameSpec(contact_side="head", thread="right")
@@ -52,24 +53,24 @@ ATOMS = {way: atom for atom, way in WAY_ATOMS.items()} | {
     Motion.NONE: "none",
 }
 LINES = {
-    "direction": "way",
+    "direction": "way all",
     "class": "kind",
-    "contact": "claim touch",
-    "moving": "claim move",
-    "magnitude": "amount",
-    "rate": "amount per-s",
-    "comparison": "compare",
+    "contact": "touch",
+    "moving": "move",
+    "magnitude": "extent",
+    "rate": "speed move",
+    "comparison": "same way all",
     "evidence": "why",
-    "viewpoint": "behind > way",
-    "actor": "sensor > way",
-    "thread": "way thread",
-    "mirrored": "mirror > way",
-    "reversed": "backwards > way",
-    "refusal": "unanswerable material",
-    "premise": "way",
-    "confidence": "how-sure",
-    "undo": "undo > way",
-    "order": "order",
+    "viewpoint": "behind way all",
+    "actor": "sensor way all",
+    "thread": "choose tighten | loosen",
+    "mirrored": "mirror way all",
+    "reversed": "backwards way all",
+    "refusal": "cannot material",
+    "premise": "way all",
+    "confidence": "sure",
+    "undo": "undo way all",
+    "order": "story",
 }
 """What questions of a kind mean, where they neither claim nor offer a motion."""
 
@@ -77,11 +78,11 @@ LINES = {
 def line_of(asked):
     if asked.slots.kind in ("verify", "negation"):
         denied = "not " * (asked.slots.kind == "negation")
-        return f"claim {denied}{ATOMS[claim_of(asked)]}"
+        return f"{denied}{ATOMS[claim_of(asked)]}"
     if asked.slots.kind == "choice":
         answers = load_templates().types["T3"].answers
         slots = [answers[sentence] for sentence in asked.options]
-        return "choice " + " , ".join(f"{one.letter} {ATOMS[one.direction]}" for one in slots)
+        return "choose " + " | ".join(f"{one.letter} {ATOMS[one.direction]}" for one in slots)
     return LINES[asked.slots.kind]
 
 
@@ -96,7 +97,7 @@ def perceived(bundle):
 
 def is_answered_right(bundle, asked, motion, felt, frame=CAMERA):
     """Tell whether who believes `felt` answers a question about `motion` right."""
-    answerer = answerer_saying(bundle, {}, belief=believed(felt, deg=20.0, px=10.0))
+    answerer = feeling(bundle, belief=believed(felt, deg=20.0, px=10.0))
     answerer.bundle.reader.lines[asked.question] = line_of(asked)
     encoded = perceived(bundle)
     answer = answerer.ask(encoded, asked.question, frame=frame)
@@ -127,11 +128,44 @@ def test_a_right_hand_thread_at_its_head_tightens_clockwise():
     assert truth_of(asked, Motion.CLOCKWISE, replace(HEAD, thread=None)).abstains
 
 
+def answer_of(bundle, line, felt):
+    answerer = feeling(bundle, belief=believed(felt, deg=20.0))
+    return answerer.ask(perceived(bundle), line, frame=HEAD)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "tighten",
+        "not loosen",
+        "not not tighten",
+        "loosen",
+        "way thread",
+        "choose A loosen | B tighten",
+    ],
+)
+def test_a_thread_is_judged_however_it_is_asked_about(bundle, line):
+    for felt, truth in (("clockwise", "tighten"), ("counterclockwise", "loosen")):
+        answer = answer_of(bundle, line, felt)
+        assert is_right(answer, Truth("thread", truth))
+        assert not is_right(answer, Truth("thread", {"tighten": "loosen"}.get(truth, "tighten")))
+
+
+@pytest.mark.parametrize(
+    ("line", "right"),
+    [("begin first cw-events", True), ("cannot cause", True), ("way all", False), ("cw", True)],
+)
+def test_of_a_false_premise_nothing_is_claimed_that_four_frames_do_not_tell(bundle, line, right):
+    answer = answer_of(bundle, line, "clockwise")
+    assert is_right(answer, Truth("premise", direction=Motion.CLOCKWISE))
+    assert is_right(answer, Truth("premise", direction=Motion.LEFT)) == (right and line != "cw")
+
+
 @pytest.mark.parametrize(("felt", "right"), [(23.0, True), (27.0, False), (15.0, False)])
 def test_an_amount_is_right_within_a_fifth_and_in_its_unit(bundle, felt, right):
     motion = Motion.CLOCKWISE
     asked = asked_about(motion, "T7")  # 20 degrees
-    answerer = answerer_saying(bundle, {}, belief=believed(motion, deg=felt))
+    answerer = feeling(bundle, belief=believed(motion, deg=felt))
     answer = answerer.ask(perceived(bundle), "amount turn")
     truth = truth_of(asked, motion, CAMERA)
     assert is_right(answer, truth) == right
@@ -169,7 +203,7 @@ def test_what_is_stated_is_held_against_what_came_true():
 
 class ReadingWay(ScriptedReader):
     def readings(self, text, most=2, sure=1.0):
-        return [Reading("way", (), self.probability, self.probability)]
+        return [Reading("way all", (), (), self.probability, self.probability)]
 
 
 def test_everything_is_asked_about_simulated_clips():

@@ -35,35 +35,21 @@ def encodings(bundle, monkeypatch):
     return calls
 
 
-@pytest.mark.parametrize(
-    ("question", "checks"),
-    [
-        ("way", 1),
-        ("claim cw", 1),
-        ("backwards > way", 0),
-        ("fact mirrored", 0),
-        ("talk thanks", 0),
-    ],
-)
-def test_a_question_is_read_once_and_words_are_checked_where_the_model_has_some(
-    answerer, question, checks
-):
+@pytest.mark.parametrize("question", ["way all", "cw", "backwards way all", "fact mirrored"])
+def test_a_question_is_read_once(answerer, question):
     answer = answerer.ask(answerer.encode(recording()), question)
     assert set(answer.timing_ms) == {"choose", "touch", "encode", "read", "answer", "total"}
-    bundle = answerer.bundle
-    assert (len(bundle.reader.heard), len(bundle.speaker.heard)) == (1, checks)
+    assert len(answerer.bundle.reader.heard) == 1
 
 
-def test_questions_share_one_encoding_of_a_clip_and_a_doubt_checks_no_word(answerer, encodings):
+def test_questions_share_one_encoding_of_a_clip_and_a_doubt_one_answer(answerer, encodings):
     pair = [answerer.encode(recording()) for _ in range(2)]
     session = answerer.session(pair[0])
-    session.ask("way")
-    checked = len(answerer.bundle.speaker.heard)
-    session.ask("how-sure")
-    assert len(answerer.bundle.speaker.heard) == checked == 1
-    for question in ("claim cw", "behind > again", "why"):
+    answer = session.ask("way all")
+    assert session.ask("sure").values is answer.values
+    for question in ("cw", "behind again", "why"):
         session.ask(question)
-    for question in ("compare same", "which-clip cw"):
+    for question in ("same way all", "which-clip cw"):
         answerer.compare(*pair, question)
     assert encodings == [1, 1]
 
@@ -77,7 +63,7 @@ def test_what_is_believed_is_worked_out_once_and_not_for_a_fact_alone(bundle, mo
     encoded = answerer.encode(recording())
     answerer.ask(encoded, "fact mirrored")
     assert looks == []
-    for question in ("way", "amount turn", "claim in"):
+    for question in ("way all", "amount turn", "in"):
         answerer.ask(encoded, question)
     assert looks == [1]
 
@@ -93,7 +79,7 @@ def test_no_gradient_is_kept_on_the_way_to_an_answer(bundle):
     answerer = Answerer(replace(bundle, reader=ScriptedReader()))
     with torch.enable_grad():
         encoded = answerer.encode(recording())
-        answerer.ask(encoded, "way")
+        answerer.ask(encoded, "way all")
         felt = bundle.speaker.feel(
             encoded.perception.fused_token.new_zeros(1, bundle.speaker.model.fused_width)
         )

@@ -43,7 +43,7 @@ def _in_the_checkout(monkeypatch):
 def test_the_python_example_tells_the_caps_direction(address, capsys):
     exec(example("gradio_client", address), {})
     asked, turn, contact, relation, behind, simulated = capsys.readouterr().out.splitlines()[-6:]
-    assert asked == "Clockwise, in the camera image."
+    assert asked == "It turns clockwise, about 12 degrees, in the camera image."
     assert turn.startswith("clockwise ")
     assert float(contact) > 0.05
     assert relation == "opposite"

@@ -12,13 +12,13 @@ from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import program as p
 from geotlm_lm.query.amounts import Recording
-from geotlm_lm.query.decision import ContactArea
-from geotlm_lm.query.evaluate import Context, Evidence
+from geotlm_lm.query.evaluate import ContactArea, Context, Evidence
 from geotlm_lm.query.program import Case, Expression, Field, of
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.worlds import worlds_of_clip, worlds_of_track
 from geotlm_lm.track.summed import belief_of_track
 from tests.query.strategies import beliefs, tracks, turning
+from tests.track.tracks import happened, moving_track
 
 RECORDING = Recording(columns=320, rows=240, rate_hz=25.0, frames=100, used=(10, 15, 20, 25))
 AREA = ContactArea(0.4, 0.7, 0.1)
@@ -64,23 +64,29 @@ def _argument(wanted: str, depth: int):
     return expressions(wanted, depth)
 
 
-def of_track(track, seed: int = 0) -> Evidence:
+def of_track(track, seed: int = 0, recording: Recording = RECORDING) -> Evidence:
     """Return the evidence of a recording that was followed."""
-    belief = belief_of_track(track, worlds_of_clip_belief())
-    recording = replace(RECORDING, step_s=0.04)
-    return Evidence(worlds_of_track(track, belief, seed), recording, AREA)
+    recording = replace(recording, step_s=0.04)
+    return Evidence(
+        worlds_of_track(track, belief_of_track(track, certain()), seed), recording, AREA
+    )
 
 
-def of_clip(belief, seed: int = 0) -> Evidence:
+def of_clip(belief, seed: int = 0, recording: Recording = RECORDING) -> Evidence:
     """Return the evidence of a clip of four frames."""
-    return Evidence(worlds_of_clip(belief, seed), RECORDING, AREA)
+    return Evidence(worlds_of_clip(belief, seed), recording, AREA)
 
 
-def worlds_of_clip_belief():
-    """Return what is believed of the window of a recording that holds still."""
-    still = Twist()
+def certain(*, turn=0.0, right=0.0, down=0.0, inward=0.0, contact=1.0, share=0.99) -> Belief:
+    """Return a belief that is sure of a motion."""
     ways = dict.fromkeys((way for ways in WAYS.values() for way in ways), 0.0)
-    return Belief(still, 0.1 * np.eye(4), ways, 1.0, 30.0, dict.fromkeys(COMPONENTS, True))
+    twist = Twist(turn, right, down, inward)
+    paths = {"turn": turn, "slide": twist.slide_px, "press": inward}
+    for component in COMPONENTS:
+        if paths[component.value]:
+            ways[twist.way(component)] = share * contact
+    spread = np.diag([0.1, 0.1, 0.1, 0.001])
+    return Belief(twist, spread, ways, contact, 30.0, dict.fromkeys(COMPONENTS, True))
 
 
 evidence = st.one_of(beliefs().map(of_clip), tracks.map(of_track))
@@ -102,3 +108,18 @@ def context_of(*clips: Evidence, frame: FrameSpec | None = None) -> Context:
 def there_and_back() -> Evidence:
     """Return a recording touched at 0 s, turned 40 degrees, 15 back, 40 again, let go at 4 s."""
     return of_track(turning([40.0, -15.0, 40.0]))
+
+
+def turned_and_slid() -> Evidence:
+    """Return a recording touched at 0 s, turned 20 degrees, slid left, let go at 3 s of 4 s."""
+    twists = np.zeros((101, 4))
+    twists[26:51, 0], twists[51:76, 1] = 20 / 25, -30 / 25
+    events = (
+        happened("touch", 0, 0),
+        happened("stick", 0, 25),
+        happened("turn", 25, 50, turn=20),
+        happened("slide", 50, 75, right=-30),
+        happened("release", 75, 75, inward=-0.3),
+    )
+    contact = (np.arange(101) <= 75).astype(float)
+    return of_track(moving_track(twists, events, contact=contact, frame_size=(240, 320)))

@@ -1,4 +1,4 @@
-"""Random edits, queries and beliefs, for the laws."""
+"""Random edits, beliefs and recordings, for the laws."""
 
 from __future__ import annotations
 
@@ -6,16 +6,12 @@ import numpy as np
 from hypothesis import strategies as st
 
 from geotlm_lm.core.edit import EDIT_WORDS, Edit
-from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.text import next_words, read
-from geotlm_lm.query.words import END
 from geotlm_lm.track.track import Track
 from tests.track.tracks import happened, moving_track
 
 edits = st.lists(st.sampled_from(EDIT_WORDS), max_size=5).map(lambda words: Edit.of(*words))
-MOTIONS = tuple(Motion)
 
 
 @st.composite
@@ -30,25 +26,6 @@ def beliefs(draw) -> Belief:
         ways |= dict(zip(WAYS[component], (counts * shares / shares.sum()).tolist(), strict=True))
     readable = dict.fromkeys(COMPONENTS, True)
     return Belief(Twist(*values), spread, ways, contact, 30.0, readable)
-
-
-_LONGER = (";", ",", "and", "or", *EDIT_WORDS)
-
-
-@st.composite
-def query_texts(draw, slots: int = 3, length: int = 14) -> str:
-    """Words drawn one by one among those that may follow, as a decoder emits them."""
-    words: list[str] = []
-    while True:
-        allowed = sorted(next_words(words, slots))
-        if allowed == [END] or (END in allowed and (len(words) >= length or draw(st.booleans()))):
-            return " ".join(words)
-        if len(words) >= length:  # the shortest way out
-            allowed = [one for one in allowed if one not in _LONGER] or allowed
-        words.append(draw(st.sampled_from([one for one in allowed if one != END])))
-
-
-queries = query_texts().map(read)
 
 
 def turning(turns: list[float], sure: float = 0.99) -> Track:

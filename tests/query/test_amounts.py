@@ -6,11 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geotlm_lm.core.tolerance import TOLERANCES, within_tolerance
-from geotlm_lm.query.amounts import BASES, OF_ATOM, Measure, sized
+from geotlm_lm.query.amounts import BASES, Measure
+from geotlm_lm.query.types import WAY_ATOMS
 
 amounts = st.builds(
-    sized,
-    st.sampled_from(sorted(OF_ATOM)),
+    Measure,
+    st.sampled_from(sorted(WAY_ATOMS)),
     st.floats(-60, 60),
     st.floats(0.001, 9),
     st.just("unit"),

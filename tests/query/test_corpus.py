@@ -4,25 +4,37 @@ from itertools import islice
 
 import pytest
 
-from geotlm_lm.query.grammar import SPLITS, corpus, grammar, split_of
+from geotlm_lm.query.copied import copied
+from geotlm_lm.query.grammar import _CHOICE, _FIELD, SPLITS, corpus, grammar, split_of
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
+from geotlm_lm.query.program import (
+    _ANSWERS,
+    MOST_SLOTS,
+    PROGRAM_WORDS,
+    filled,
+    read,
+    type_of,
+    write,
+)
 from geotlm_lm.query.quantities import quantities
-from geotlm_lm.query.text import read, write
-from geotlm_lm.query.types import ASKS, filled
 
 CORPUS = [Labelled(one.text, (one.query,)) for split in SPLITS for one in corpus(split)]
 SETS = {"corpus": CORPUS, BLIND: labelled(BLIND), SET_UPS: labelled(SET_UPS), TUNE: labelled(TUNE)}
 
 
+def assert_is_meant(text, line):
+    numbers, texts = (found[:MOST_SLOTS] for found in (quantities(text), copied(text)))
+    program = read(line, len(numbers), len(texts))
+    assert write(program) == line
+    filled(program, numbers, texts)
+
+
 @pytest.mark.parametrize("name", SETS)
 def test_every_label_is_canonical_and_its_slots_are_quantities_of_its_text(name):
     for row in SETS[name]:
-        found = quantities(row.text)
         assert len(set(row.queries)) == len(row.queries), row.text
         for line in row.queries:
-            query = read(line, max(len(found), 1))
-            assert write(query) == line
-            filled(query, found)
+            assert_is_meant(row.text, line)
 
 
 def test_no_text_has_two_labels():
@@ -33,10 +45,7 @@ def test_no_text_has_two_labels():
 @pytest.mark.parametrize("split", SPLITS)
 def test_pairs_are_canonical_and_of_their_split(split):
     for pair in islice(grammar().pairs(3, split), 300):
-        found = quantities(pair.text)
-        query = read(pair.query, len(found))
-        assert write(query) == pair.query
-        filled(query, found)
+        assert_is_meant(pair.text, pair.query)
         questions = [one for one in pair.families if one in FAMILIES]
         assert {split_of(one) for one in questions} <= {split}
         assert "{" not in pair.text
@@ -47,14 +56,11 @@ def test_a_seed_writes_the_same_pairs():
     assert list(islice(grammar().pairs(5), 50)) == list(islice(grammar().pairs(5), 50))
 
 
-def test_training_writes_every_kind_of_ask():
-    asks = {
-        word
-        for family in grammar().families
-        if split_of(family.id) == "train"
-        for word in family.query.split()
-    }
-    assert set(ASKS) <= asks
+def test_training_writes_every_type_of_answer():
+    lines = [pair.query for pair in islice(grammar().pairs(3, "train"), 1000)]
+    answers = [answer for line in lines for answer in read(line).answers]
+    assert {*_ANSWERS} <= {type_of(answer) for answer in answers if answer.word != "again"}
+    assert {word for line in lines for word in line.split() if ":" not in word} <= {*PROGRAM_WORDS}
 
 
 def test_no_template_means_two_things():
@@ -65,3 +71,26 @@ def test_no_template_means_two_things():
 
 
 FAMILIES = {one.id for one in grammar().families}
+
+
+def alternatives(text):
+    """Yield a template's texts, one for each of its alternatives."""
+    match = _CHOICE.search(text)
+    if match is None:
+        yield text
+        return
+    for chosen in (match[1] or match[2]).split("|"):
+        yield from alternatives(text[: match.start()] + chosen + text[match.end() :])
+
+
+def test_whatever_is_asked_stands_in_the_words_of_every_template():
+    words = grammar().words
+    for family in grammar().families:
+        asked = set(_FIELD.findall(family.query))
+        for text in family.texts:
+            # A list of words may hold fields of its own.
+            nested = any(
+                name in words and "{" in str(words[name]) for name, _ in _FIELD.findall(text)
+            )
+            for each in () if nested else alternatives(text):
+                assert asked <= set(_FIELD.findall(each)), (family.id, each)

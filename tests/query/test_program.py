@@ -43,20 +43,20 @@ def test_every_word_of_a_program_is_among_those_that_may_follow(expression):
     assert {word for word in words if ":" not in word} <= set(p.PROGRAM_WORDS)
     for place, word in enumerate(words):
         if ":" not in word:
-            assert word in p.next_words(words[:place], 0)
-    assert END in p.next_words(words, 0)
+            assert word in p.begun(words[:place], 0)[0]
+    assert END in p.begun(words, 0)[0]
 
 
 @given(st.data())
 @settings(max_examples=60, deadline=None)
 def test_what_may_follow_is_well_formed_to_the_end(data):
     words, length = [], 12
-    while END not in (allowed := p.next_words(words, 2, 1)) or len(words) < length:
+    while END not in (allowed := p.begun(words, 2, 1)[0]) or len(words) < length:
         offered = sorted(allowed - {END})
         if not offered or len(words) > 60:
             return
         words.append(data.draw(st.sampled_from(offered)))
-        if len(words) > length and END in p.next_words(words, 2, 1):
+        if len(words) > length and END in p.begun(words, 2, 1)[0]:
             break
     assert p.write(p.read(" ".join(words))) == " ".join(words)
 

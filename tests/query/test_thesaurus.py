@@ -7,7 +7,7 @@ from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.thesaurus import Thesaurus, thesaurus
 
-PAIR = Pair("Show a cap: an angle of 12 degrees?", "claim turn ~ #1", ("claim/test",))
+PAIR = Pair("Show a cap: an angle of 12 degrees?", "~ amount turn #1", ("test/turn",))
 CONTRASTS = (
     ("clockwise", "counterclockwise"),
     ("left", "right", "up", "down"),

@@ -20,7 +20,7 @@ from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.grammar import corpus
-from geotlm_lm.query.types import Query
+from geotlm_lm.query.program import Program
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.training import config, examples, language, reading, train
@@ -64,7 +64,6 @@ def _tiny():
         patch.setattr(train, "LanguageTraining", partial(LanguageTraining, size=SMALL))
         patch.setattr(train, "ReadingTraining", partial(ReadingTraining, **READER))
         patch.setattr(train, "corpus", lambda split: corpus(split)[:20])
-        patch.setattr(train, "CALIBRATION_PAIRS", 20)
         patch.setattr(reading, "VOCABULARY_PAIRS", 200)
         yield
     torch.set_num_threads(threads)
@@ -93,7 +92,7 @@ def test_the_folder_is_a_bundle_that_answers(finished):
     assert isinstance(bundle.speaker.generate(reading, ["Which way?"])[0], str)
     written = {path.name for path in (finished / "bundle" / "reader").iterdir()}
     assert written == {"config.json", "model.safetensors", "tokenizer.json"}
-    assert isinstance(bundle.reader.read("Did it turn 20 degrees?").query, Query)
+    assert isinstance(bundle.reader.read("Did it turn 20 degrees?").program, Program)
     assert set(bundle.speaker.feel(reading)) == set(SLOTS)
     assert min(bundle.calibration.temperature, bundle.calibration.felt_temperature) > 0
     assert set(bundle.provenance["dgr_validation_accuracy"]) == {"paper", "grounded"}

@@ -1,4 +1,4 @@
-"""Where nothing touches, noise names no motion and an open question needs no language model."""
+"""What is withheld for want of contact, of an idle gel or of anything that touches it."""
 
 import re
 from dataclasses import replace
@@ -8,10 +8,10 @@ import pytest
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.encoded import FAINT_DOUBT
-from geotlm_lm.answering.withholding import UNRECOGNISED
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.query.replies import replies
 from geotlm_lm.recordings.idle import CONTACT_UNKNOWN
 from tests.answering.scripted import believed, feeling, recording
 from tests.recordings.dotted import dotted, dotted_recording
@@ -38,7 +38,7 @@ def test_an_open_question_is_answered_where_nothing_touches(bundle):
     assert answer.direction is Motion.NONE
     assert answer.confidence > 0.97
     assert not answer.abstained
-    mirrored = answerer.ask(answerer.encode(untouched()), "mirror > way")
+    mirrored = answerer.ask(answerer.encode(untouched()), "mirror way all")
     assert mirrored.text == "Nothing touches the gel."
 
 
@@ -61,14 +61,14 @@ def test_noise_is_not_perceived(bundle):
     assert not np.array_equal(one.clip.frames, other.clip.frames)  # shown as they were recorded
 
 
-@pytest.mark.parametrize("question", ["way", "mirror > way", "kind", "claim touch"])
+@pytest.mark.parametrize("question", ["way all", "mirror way all", "kind", "touch", "none"])
 def test_nothing_touches_is_not_claimed_of_a_gel_that_changed(bundle, question):
     answerer = feeling(bundle, "none", belief=believed("none"))
     encoded = answerer.encode(faintly_touched())
     assert encoded.is_changed
     assert not encoded.is_untouched
     answer = answerer.ask(encoded, question)
-    assert answer.text == UNRECOGNISED
+    assert answer.text == replies()["missing"]["unrecognised"]
     assert answer.abstained
     assert (answer.direction, answer.confidence) == (None, 0.0)
 
@@ -88,8 +88,8 @@ def test_an_imprint_that_the_border_cuts_off_is_told_with_less_certainty(bundle)
     frames = np.stack([clip.frames[0]] * 4)
     frames[1:, :, : clip.frames.shape[2] // 12] //= 2
     note = "The border of the image cuts the imprint off: answers are less sure."
-    assert note in answerer.ask(answerer.encode(replace(clip, frames=frames)), "way").notes
-    assert note not in answerer.ask(answerer.encode(clip), "way").notes
+    assert note in answerer.ask(answerer.encode(replace(clip, frames=frames)), "way all").notes
+    assert note not in answerer.ask(answerer.encode(clip), "way all").notes
 
 
 def test_any_other_claim_about_a_faint_touch_is_told(bundle):
@@ -107,7 +107,7 @@ def test_against_a_guessed_background_no_change_is_beyond_noise(bundle):
 
 
 @pytest.mark.parametrize("felt", ["still", "none"])
-@pytest.mark.parametrize("question", ["way", "claim touch", "kind"])
+@pytest.mark.parametrize("question", ["way all", "touch", "kind"])
 def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, question, felt):
     shown = recording().frames[0]
     answerer = feeling(bundle, felt)
@@ -122,9 +122,7 @@ def test_contact_is_not_judged_where_nothing_shows_the_untouched_gel(bundle, que
         assert (moving.decided, moving.abstained) == ("no", False)
 
 
-@pytest.mark.parametrize(
-    "question", ["claim touch", "claim in", "claim none", "place", "way press"]
-)
+@pytest.mark.parametrize("question", ["touch", "in", "none", "place", "way press"])
 def test_contact_is_not_told_of_a_gel_with_dots_without_its_idle_frame(bundle, question):
     answerer = feeling(bundle, "clockwise")
     for strengths in ([0] * 4, [40] * 4, [20, 25, 30, 35]):
@@ -132,7 +130,7 @@ def test_contact_is_not_told_of_a_gel_with_dots_without_its_idle_frame(bundle, q
         assert not unknown.is_contact_known
         answer = answerer.ask(unknown, question)
         assert (answer.text, answer.abstained) == (CONTACT_UNKNOWN, True)
-        assert answerer.ask(unknown, "way").direction is Motion.CLOCKWISE
+        assert answerer.ask(unknown, "way all").direction is Motion.CLOCKWISE
     known = replace(dotted_recording([40] * 4), background=dotted(0))
     assert answerer.ask(answerer.encode(known), question).text != CONTACT_UNKNOWN
 

@@ -1,0 +1,46 @@
+"""Find the words of a text that an answer may copy as they stand: labels, keys of a template.
+
+A program points at them by place: `@2` is the second that is found. They are quoted, in capitals,
+joined by an underscore, before a colon or an equals sign, or one of several between slashes.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_QUOTED = re.compile(r"\"([^\"\n]{1,32})\"|(?<!\w)'([^'\n]{1,32})'(?!\w)|`([^`\n]{1,32})`")
+_PLAIN = re.compile(
+    r"(?<![\w'])(?:"
+    r"[A-Za-z]\w*_\w+"  # angle_deg
+    r"|[A-Z][A-Z0-9]+(?![\w'])"  # STOP
+    r"|[A-Za-z]\w*(?=\s?=(?!=)|:(?=[\s<{\"\[]|$))"  # angle=..., angle: ...
+    r")"
+)
+_LISTED = re.compile(r"(?<![\w/])[A-Za-z]\w*(?:/[A-Za-z]\w*){2,}(?![\w/])")  # open/shut/none
+
+
+@dataclass(frozen=True)
+class Copied:
+    """A word of a text and where it stands, its quotation marks included."""
+
+    text: str
+    start: int
+    end: int
+
+
+def copied(text: str) -> list[Copied]:
+    """Return the words of a text that may be copied, in the order they stand in."""
+    quoted = [
+        Copied(next(group for group in match.groups() if group), *match.span())
+        for match in _QUOTED.finditer(text)
+    ]
+    found = {each.start: each for each in quoted}
+    for listed in _LISTED.finditer(text):
+        for word in re.finditer(r"\w+", listed[0]):
+            start = listed.start() + word.start()
+            found.setdefault(start, Copied(word[0], start, start + len(word[0])))
+    for match in _PLAIN.finditer(text):
+        if not any(each.start <= match.start() < each.end for each in quoted):
+            found.setdefault(match.start(), Copied(match[0], *match.span()))
+    return sorted(found.values(), key=lambda each: each.start)

@@ -1,0 +1,201 @@
+"""Say a program back in plain words: what a question was taken to ask."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from geotlm_lm.query.facts import Fact
+from geotlm_lm.query.program import (
+    EVENTS,
+    Case,
+    Expression,
+    Field,
+    Program,
+    Text,
+    head_of,
+    type_of,
+)
+from geotlm_lm.query.quantities import Quantity
+
+_SO = {
+    "turn": "it turns", "slide": "it slides", "press": "it presses in or lifts off",
+    "cw": "it turns clockwise", "ccw": "it turns counterclockwise", "left": "it slides left",
+    "right": "it slides right", "up": "it slides up", "down": "it slides down",
+    "in": "it presses in", "out": "it lifts off", "x": "it slides along x",
+    "y": "it slides along y", "move": "it moves", "tighten": "it tightens",
+    "loosen": "it loosens", "still": "it is held still", "touch": "something touches",
+    "none": "nothing touches", "slip": "it slips", "pause": "it pauses", "reverse": "it turns back",
+    "other": "none of these", "unknown": "it cannot be told",
+}  # fmt: skip
+"""What is so or happens, as a clause."""
+
+_NOUNS = {
+    "turn": "turns", "slide": "slides", "press": "presses", "cw": "clockwise turns",
+    "ccw": "counterclockwise turns", "left": "slides to the left", "right": "slides to the right",
+    "up": "slides up", "down": "slides down", "in": "presses", "out": "lift-offs",
+    "x": "slides along x", "y": "slides along y", "move": "motions", "still": "rests",
+    "touch": "touches", "none": "releases", "slip": "slips", "pause": "pauses",
+    "reverse": "reversals",
+}  # fmt: skip
+"""What happens, as a noun."""
+
+_PHRASES = {
+    "not": "it is not so that {0}", "and": "{0} and {1}", "or": "{0} or {1}",
+    ">": "{0} is more than {1}", "<": "{0} is less than {1}", "=": "{0} is {1}",
+    "~": "{0} is about {1}", "in-range": "{0} is between {1} and {2}",
+    "speeds-up": "{0} and gets faster", "slows-down": "{0} and gets slower",
+    "happens": "there are any {0}", "before": "{0} comes before {1}",
+    "after": "{0} comes after {1}", "ever": "at some moment {0}", "always": "all the time {0}",
+    "lies": "the contact lies in the {0}", "same": "both clips have the same of {0}",
+    "opposite": "the clips have the opposite of {0}", "mirrored": "the clips mirror {0}",
+    "more": "the first clip has more of {0}", "less": "the first clip has less of {0}",
+    "as-far": "both clips have about the same of {0}", "both": "in both clips {0}",
+    "either": "in either clip {0}", "neither": "in neither clip {0}",
+    "only-one": "in just one clip {0}",
+    "amount": "how far {0}", "path": "how far {0}, there and back", "peak": "how far {0} at most",
+    "speed": "how fast {0}", "top-speed": "how fast {0} at most",
+    "limit": "how little could be seen where {0}", "length": "how long {0} takes",
+    "lasts": "how long the {0} take", "time-while": "for how long {0}",
+    "share": "the share of time in which {0}", "count": "how many {0} there are",
+    "delay": "the time from {0} to {1}", "clock": "{0}, from the recording's start",
+    "area": "how much of the image is touched", "place-x": "where across the image the contact is",
+    "place-y": "where down the image the contact is", "frame-rate": "the frame rate",
+    "frame-count": "the number of frames", "frame-width": "the image's width",
+    "frame-height": "the image's height", "chance": "how probable it is that {0}",
+    "+": "{0} plus {1}", "-": "{0} minus {1}", "*": "{0} times {1}", "/": "{0} over {1}",
+    "percent-of": "{0} in percent of {1}", "min": "the lesser of {0} and {1}",
+    "max": "the greater of {0} and {1}", "abs": "the size of {0}", "negate": "minus {0}",
+    "unit": "{1}, in {0}", "per": "{1}, {0}", "round": "{1}, to {0} decimals",
+    "t": "{0}", "begin": "the begin of {0}", "end": "the end of {0}", "later": "{1} after {0}",
+    "earlier": "{1} before {0}", "first-time": "when first {0}", "last-time": "when last {0}",
+    "peak-time": "when {0} farthest", "top-speed-time": "when {0} fastest",
+    "first": "the first of the {0}", "last": "the last of the {0}",
+    "largest": "the largest of the {0}", "longest": "the longest of the {0}",
+    "fastest": "the fastest of the {0}", "smallest": "the smallest of the {0}",
+    "shortest": "the shortest of the {0}", "slowest": "the slowest of the {0}",
+    "nth": "number {0} of the {1}", "next": "the next after {0} of the {1}",
+    "previous": "the last before {0} of the {1}", "it": "that",
+    "recording": "the whole recording", "contact": "the contact", "here": "it",
+    "between": "from {0} to {1}", "initial": "the first {0} of {1}", "final": "the last {0} of {1}",
+    "until": "the time up to {0}", "since": "the time from {0} on",
+    "part": "part {0} of {1} of {2}",
+    "around": "the {1} around {0}", "such": "those of the {1} for which {0}",
+    "kind": "what kind of motion it is", "extent": "how far it goes", "story": "what happens",
+    "which-clip": "in which clip {0}", "which-more": "which clip has more of {0}",
+    "which-less": "which clip has less of {0}", "each": "of each of the {0}: {1}",
+    "each-clip": "of each clip: {0}", "begins": "when each of the {0} begins",
+    "ends": "when each of the {0} ends", "why": "why I say so", "sure": "how sure I am",
+    "sure-amount": "how exact the amount is", "alternatives": "what else it could be",
+    "place": "where the contact is", "help": "what can be asked", "why-of": "why {0}",
+    "sure-of": "how sure it is that {0}", "setup": "which set-up I take it to have",
+    "file": "the recording's {0}", "talk": "nothing", "cannot": "something that I cannot tell",
+    "not-understood": "something that I did not understand", "again": "the same again",
+    "within": "{1}, in {0}", "at": "{1}, at {0}", "if": "if {0}: {1}, else {2}",
+    "plain": "{0}, as recorded", "of-first": "{0}, of the first clip",
+    "of-second": "{0}, of the second clip", "of-previous": "{0}, of the clip before",
+    "as-object": "{0}, of the object", "as-sensor": "{0}, of the sensor",
+    "mirror": "{0}, in the mirror", "flip": "{0}, with the image upside down",
+    "half": "{0}, with the image turned by 180 degrees",
+    "quarter-cw": "{0}, with the image turned by 90 degrees clockwise",
+    "quarter-ccw": "{0}, with the image turned by 90 degrees counterclockwise",
+    "behind": "{0}, seen from the object's side", "backwards": "{0}, played backwards",
+    "undo": "{0}, to undo it", "sensor": "{0}, of the sensor's own motion",
+}  # fmt: skip
+"""Every primitive with its arguments' words in their places."""
+
+_ASKED = {"all": "it moves", "thread": "it tightens or loosens", "sign": "it turns, as a sign"}
+
+_FACTS = {
+    "mirrored": "the image is mirrored", "turned": "the image is turned", "thread": "thread",
+    "side": "side that is touched", "scale": "size of a pixel", "view": "width of the view",
+    "rate": "frame rate", "seen": "point of view", "moves": "what moves",
+}  # fmt: skip
+
+
+def restated(program: Program) -> str:
+    """Return what a program asks as a phrase: "which way it turns, played backwards"."""
+    facts = facts_phrase(program.facts)
+    if not program.answers:
+        return f"that {facts}"
+    asked = "; ".join(map(_asked, program.answers))
+    return f"{asked}, where {facts}" if program.facts else asked
+
+
+def _asked(answer: Expression) -> str:
+    words = phrase(answer)
+    return f"whether {words}" if type_of(answer) == "bool" else words
+
+
+def phrase(value: Any) -> str:
+    """Return an expression, or a part of one, in words."""
+    if isinstance(value, tuple):
+        joint = " or " if value and isinstance(value[0], Case) else ", "
+        return joint.join(map(phrase, value))
+    if isinstance(value, Case):
+        return phrase(value.holds)
+    if isinstance(value, Field):
+        return _asked(value.answer)
+    if isinstance(value, Text):
+        return f"word {value.index}"
+    if isinstance(value, str):
+        return _SO.get(value, value.replace("-", " "))
+    if value.value is not None:
+        return _number(value.value)
+    word = value.word
+    if word.endswith(EVENTS):
+        return _NOUNS[word.removesuffix(EVENTS)]
+    if word == "way":
+        of = value.arguments[0]
+        return f"which way {_ASKED.get(of) or _SO[of]}"
+    if word in ("choose", "choose-not"):
+        return f"which holds{' not' * (word == 'choose-not')}: {phrase(value.arguments[0])}"
+    if word == "record":
+        return phrase(value.arguments[0])
+    if word in (">", "<", "~", "=", "in-range") and value.arguments[0].word == "amount":
+        (atom,), *numbers = value.arguments[0].arguments, *map(phrase, value.arguments[1:])
+        how = {">": "more than ", "<": "less than ", "~": "about ", "in-range": "between "}
+        return f"{_SO[atom]} by {how.get(word, '')}{' and '.join(numbers)}"
+    if not value.arguments and word in _SO:
+        return _SO[word]
+    return _PHRASES.get(word, word).format(*map(phrase, value.arguments))
+
+
+def _number(value: Any) -> str:
+    if not isinstance(value, Quantity):
+        return f"number {value.index}"
+    unit = {"percent": "%", "deg": "degrees", "frame": "frames"}.get(value.unit, value.unit)
+    return f"{value.value:g} {unit}".strip()
+
+
+def facts_phrase(facts: tuple[Fact, ...]) -> str:
+    """Return what was stated: "left-hand thread, 0.06 mm per pixel"."""
+    return ", ".join(map(_fact, facts)) or "nothing"
+
+
+def _fact(fact: Fact) -> str:
+    if fact.name == "everything":
+        return "all that was stated is taken back"
+    if fact.denied:
+        if fact.name in ("mirrored", "turned"):
+            return f"the image is not {fact.name}"
+        return f"{_FACTS.get(fact.name, fact.name)} no longer stated"
+    numbers = " ".join(map(_number, fact.numbers))
+    return {
+        "mirrored": "the image is mirrored",
+        "turned": "the image is turned by "
+        + {"half": "180 degrees", "quarter-cw": "90 degrees clockwise",
+           "quarter-ccw": "90 degrees counterclockwise"}.get(fact.value, "nothing"),
+        "seen": f"seen from the {fact.value}'s side",
+        "moves": f"the {fact.value}'s motion is told",
+        "thread": f"{fact.value}-hand thread",
+        "side": f"touched at the {fact.value}",
+        "scale": f"a pixel measures {numbers}",
+        "view": f"the image shows {numbers}",
+        "rate": f"{numbers.removesuffix('frame/s').strip()} frames per second",
+        "unclear": "something that I did not understand",
+    }[fact.name]  # fmt: skip
+
+
+def is_plain(program: Program) -> bool:
+    """Tell whether all that is asked can be answered without a look at any motion."""
+    return all(type_of(head_of(answer)) == "talk" for answer in program.answers)

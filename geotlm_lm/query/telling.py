@@ -1,0 +1,453 @@
+"""Tell a value in a sentence: what is asked first, short, one reason where it helps.
+
+The point of view is named where a way is told and another was named before. Numbers are rounded to
+their tolerance and are the same wherever they stand.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
+from geotlm_lm.core.twist import Component
+from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.phrases import (
+    DENIED,
+    TRAIT_WORDS,
+    all_of,
+    amount_phrase,
+    case_phrase,
+    file_phrase,
+    joined,
+    limit_phrase,
+    movement_phrase,
+    opposite_phrase,
+    undoing_phrase,
+    way_phrase,
+    where_phrase,
+)
+from geotlm_lm.query.program import TRAITS, Expression, head_of
+from geotlm_lm.query.replies import replies
+from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.values import (
+    Amount,
+    Choice,
+    Moved,
+    Placed,
+    Record,
+    Remark,
+    Shown,
+    Times,
+    Truth,
+    Unknown,
+    Value,
+)
+from geotlm_lm.track.events import TOGETHER_S, EventKind
+
+MOST_TOLD = 4
+"""Events of a story that are told; of more, where contact begins and ends, and the largest."""
+
+SMALL = 0.2
+"""Share of the longest path below which a motion is left out of a story."""
+
+_REST = {Motion.STILL: "it touches but does not move", Motion.NONE: "nothing touches the gel"}
+_KINDS = {
+    Component.TURN: MotionClass.ROTATION,
+    Component.SLIDE: MotionClass.SLIDE,
+    Component.PRESS: MotionClass.PRESS,
+}
+MOVING = (EventKind.TURN, EventKind.SLIDE)
+_WAY_WORDS = (*(way.value for way in WAY_ATOMS.values()),)
+OFF_CENTRE = 1 / 6
+"""Share of the image's side from its middle beyond which a place is no longer the middle's."""
+
+
+@dataclass(frozen=True)
+class Told:
+    """A sentence, and the point of view that was named last, in it or before."""
+
+    text: str
+    named: str | None = None
+
+
+@dataclass(frozen=True)
+class Teller:
+    """Tells values of one recording in one frame.
+
+    Args:
+        recording: The file, for its times and for questions on itself.
+        frame: In which the recording's facts hold.
+        named: The point of view that was named before, in words.
+        asked: The view that was asked for beside that of the frame.
+    """
+
+    recording: Recording
+    frame: FrameSpec = FrameSpec()
+    named: str | None = None
+
+    def tell(self, value: Value) -> Told:
+        """Return a value as a sentence."""
+        if isinstance(value, Unknown):
+            text = f"{replies()['missing'][value.reason]} {value.detail}".strip()
+            return Told(text, self.named)
+        text = _sentence(_TELLERS[type(value)](self, value))
+        where = where_phrase(value.edit, self.frame)
+        return Told(text, where if where in text else self.named)
+
+    # Parts of a sentence
+
+    def where(self, value: Value, ways: Sequence[Motion]) -> str:
+        """Return ", in the camera image" and the like; nothing where it was named before."""
+        where = where_phrase(value.edit, self.frame)
+        is_named = where == self.named or not any(way in DIRECTED for way in ways)
+        return "" if is_named else f", {where}"
+
+    def moment(self, time_s: float) -> str:
+        """Return a time: "1.24 s", or a frame's number of a recording without a rate."""
+        if self.recording.rate_hz is None:
+            return f"frame {self.frames(time_s)}"
+        step_s = self.recording.step_s or 1 / self.recording.rate_hz
+        decimals = max(1, math.ceil(-math.log10(step_s) - 1e-9))
+        whole, part = f"{time_s:.{decimals}f}".split(".")
+        return f"{whole}.{part.rstrip('0') or '0'} s"
+
+    def frames(self, time_s: float) -> int:
+        """Return a time in frames."""
+        return round(time_s / (self.recording.step_s or 1.0))
+
+    def span(self, times: tuple[float, float]) -> str:
+        """Return from when to when: "from 1.2 s to 3.4 s"."""
+        begin, end = map(self.moment, times)
+        if begin == end:
+            return f"at {begin}"
+        return f"from {begin.removesuffix(' s')} to {end.removeprefix('frame ')}"
+
+    def who(self, value: Value) -> str:
+        """Return whose motion is told."""
+        return "the sensor" if value.edit.sensor else "it"
+
+
+# What each value is told as
+
+
+def _truth(teller: Teller, value: Truth) -> str:
+    head = head_of(value.of)
+    if head.word == "sure-of":
+        return f"about {value.chance:.0%}"
+    word = "yes" if value.holds else "no"
+    if head.word == "not":  # a bare "no" to a denial could be read either way
+        word += ", that is so" if value.holds else ", that is not so"
+    reason = _reason(teller, value, head)
+    if not reason:
+        return word
+    is_short = reason.startswith(("from ", "at ", "about ", "net "))
+    return f"{word}{',' if is_short else ':'} {reason}"
+
+
+def _reason(teller: Teller, value: Truth, head: Expression) -> str:
+    """Return the one thing that a yes or no rests on."""
+    while head.word == "not":
+        head = head_of(head.arguments[0])
+    if value.each:
+        return _each(teller, value.each)
+    if value.times_s:
+        return f"at {joined([teller.moment(each) for each in value.times_s[:3]])}"
+    if value.amounts:
+        first = value.amounts[0]
+        way = WAY_ATOMS.get(first.atom)
+        if way is not None and first.value < 0:  # the other way
+            first = replace(first, mean=-first.mean)
+            return f"about {amount_phrase(first)} {opposite_phrase(way)}"
+        text = f"{'about ' * (first.deviation > 0)}{amount_phrase(first)}"
+        moves = value.motion.movements if value.motion is not None else ()
+        path = next((move.path for move in moves if move.path is not None), None)
+        is_net = path is not None and path.atom == first.atom
+        return f"net {text}, {amount_phrase(path)} there and back" if is_net else text
+    motion = value.motion
+    if motion is None or head.word in _SELF_EVIDENT:
+        return ""
+    moves = motion.movements
+    asked = {move.component for move in moves} - set(motion.denied)
+    if not moves or motion.denied and value.holds:
+        return _clause(teller, motion)
+    first = moves[0]
+    parts = _one_after_another(value)
+    if head.word in ("tighten", "loosen") and not parts:
+        return _clause(teller, motion)
+    if parts:
+        way = WAY_ATOMS.get(head.word)
+        own = [each for each in parts if each.way is way] if value.holds and way else parts
+        return _story(teller, value, _most(own or parts, 2))
+    is_asked = first.component in asked and head.word in TRAITS
+    if value.holds and is_asked and first.times is not None and len(moves) == 1:
+        way = f"{way_phrase(first)}, " if head.word in ("turn", "slide", "move") else ""
+        return f"{way}{teller.span(first.times)}{teller.where(motion, [first.way] if way else [])}"
+    if value.holds and is_asked and head.word in ("turn", "slide", "move"):
+        return f"{joined([way_phrase(move) for move in moves])}{teller.where(motion, [first.way])}"
+    if value.holds and is_asked and first.amount is not None:
+        return f"about {amount_phrase(first.amount)}{teller.where(motion, [first.way])}"
+    return _clause(teller, motion)
+
+
+_SELF_EVIDENT = ("touch", "none", "lies", "ever", "always", "speeds-up", "slows-down", "happens",
+                 "before", "after")  # fmt: skip
+"""Truths that no motion is a reason of."""
+
+
+def _each(teller: Teller, values: Sequence[Value]) -> str:
+    """Return what is so of each of two clips: "the first turns left, the second about 3 px"."""
+    parts = [f"the {value.clip} {_in_short(teller, value)}" for value in values]
+    ways = [way for value in values if isinstance(value, Moved) for way in _ways(value)]
+    return f"{', '.join(parts)}{teller.where(values[-1], ways)}"
+
+
+def _in_short(teller: Teller, value: Value) -> str:
+    if isinstance(value, Truth):
+        return "yes" if value.holds else "no"
+    if isinstance(value, Amount):
+        return f"{'about ' * (value.amount.deviation > 0)}{amount_phrase(value.amount)}"
+    if isinstance(value, Moved):
+        if not value.movements:
+            return {Motion.STILL: "does not move", None: "does not move"}.get(
+                value.rest, "touches nothing"
+            )
+        return all_of([movement_phrase(move) for move in value.movements])
+    return teller.tell(value).text.rstrip(".").lower()
+
+
+def _ways(value: Moved) -> list[Motion]:
+    return [move.way for move in value.movements]
+
+
+def _one_after_another(value: Value) -> list[Shown]:
+    """Return the motions that an answer rests on where some follow others."""
+    moving = _most([each for each in value.shown if each.kind in MOVING], MOST_TOLD)
+    is_over = min((each.end_s for each in moving), default=0.0) - TOGETHER_S
+    return moving if any(each.begin_s >= is_over for each in moving) else []
+
+
+def _clause(teller: Teller, motion: Moved) -> str:
+    """Return what moves, what of the asked does not, and the frame where a way is named."""
+    who = teller.who(motion)
+    limits = dict(motion.limits)
+    denied = " or ".join(
+        DENIED[each] + limit_phrase(limits.get(each, ())) for each in motion.denied
+    )
+    if motion.still_axis is not None:
+        denied = f"slide {TRAIT_WORDS[motion.still_axis]}"
+    if motion.rest is not None:
+        if denied and motion.rest is Motion.STILL:
+            return f"{who} does not {denied}"
+        rest = _REST[motion.rest]
+        if motion.rest is Motion.STILL:
+            rest += limit_phrase(limits.get(Component.SLIDE, ()))
+        return f"{who} does not {denied}: {rest}" if denied else rest
+    ways = [move.way for move in motion.movements]
+    if motion.edit.undo:
+        if denied:
+            return f"{who} does not {denied}: nothing of that is to be undone"
+        undoing = undoing_phrase(motion.movements, motion.edit)
+        return f"{undoing}, {where_phrase(motion.edit, teller.frame)}"
+    if denied:
+        return f"{who} does not {denied}"
+    goes = all_of([movement_phrase(move) for move in motion.movements])
+    return f"{who} {goes}{teller.where(motion, ways)}"
+
+
+def _amount(teller: Teller, value: Amount) -> str:
+    head = head_of(value.of)
+    amount, motion = value.amount, value.motion
+    is_exact = amount.deviation == 0 and (amount.decimals is not None or amount.tolerance == 0)
+    text = f"{'' if is_exact else 'about '}{amount_phrase(amount, with_span=True)}"
+    if head.word == "count":
+        return f"{amount.value:g} {'time' if amount.value == 1 else 'times'}"
+    if value.at_s is not None:
+        text += f", at {teller.moment(value.at_s)}"
+    while head.word in ("unit", "per", "round"):
+        head = head.arguments[-1]
+    is_back = motion is not None and any(move.path is not None for move in motion.movements)
+    is_of_a_way = head.word in ("amount", "speed") or (
+        head.word in ("peak", "top-speed") and not is_back
+    )
+    if is_of_a_way and motion is not None and motion.movements:
+        ways = [move.way for move in motion.movements]
+        named = joined([way_phrase(move) for move in motion.movements])
+        text += f": {named}{teller.where(motion, ways)}"
+        path = motion.movements[0].path
+        if head.word == "amount" and path is not None:
+            text = f"net {text}; {amount_phrase(path)} there and back"
+    return f"{text}, there and back together" if head.word == "path" else text
+
+
+def _times(teller: Teller, value: Times) -> str:
+    head = head_of(value.of)
+    times = value.times_s
+    if not times:
+        return "that does not happen in this recording"
+    if len(times) == 2 and head.word not in ("begins", "ends"):
+        return teller.span((times[0], times[1]))
+    return f"at {joined([teller.moment(each) for each in times])}"
+
+
+def _moved(teller: Teller, value: Moved) -> str:
+    head = head_of(value.of)
+    if head.word == "story":
+        return _story(teller, value, _most(value.shown, MOST_TOLD)) or _clause(teller, value)
+    if head.word == "kind":
+        return _kind(teller, value)
+    if head.word == "sure":
+        return f"about {value.probability:.0%}: {_clause(teller, value)}"
+    if head.word == "sure-amount":
+        spans = [amount_phrase(move.amount, with_span=True)
+                 for move in value.movements if move.amount is not None]  # fmt: skip
+        return f"about {'; '.join(spans)}" if spans else _clause(teller, value)
+    if value.tightens is not None:
+        return f"it {'tightens' if value.tightens else 'loosens'}: {_clause(teller, value)}"
+    parts = _one_after_another(value) if head.word in ("way", "extent") else []
+    if head.arguments == ("thread",) and value.movements and not value.denied:
+        how = _story(teller, value, parts) if parts else _clause(teller, value)
+        return f"it tightens and loosens, one after the other: {how}"
+    return _clause(teller, value) if value.edit.undo or not parts else _story(teller, value, parts)
+
+
+def _kind(teller: Teller, value: Moved) -> str:
+    if value.rest is not None:
+        return {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[value.rest]
+    kinds = [_KINDS[move.component].value for move in value.movements]
+    ways = [move.way for move in value.movements]
+    named = joined([way_phrase(move) for move in value.movements])
+    return f"a {' and a '.join(kinds)}: {named}{teller.where(value, ways)}"
+
+
+def _most(shown: Sequence[Shown], count: int) -> list[Shown]:
+    """Return the events that matter most, by when they begin."""
+    ends = (EventKind.TOUCH, EventKind.RELEASE)
+    moving = [each for each in shown if each.kind in MOVING]
+    longest = max((each.path_px for each in moving), default=0.0)
+    large = [each for each in shown if each.kind in ends
+             or (each.kind in MOVING and each.path_px >= SMALL * longest)]  # fmt: skip
+    kept = sorted(large or shown, key=lambda each: (each.kind not in ends, -each.path_px))[:count]
+    return [each for each in shown if each in kept]
+
+
+def _story(teller: Teller, value: Value, shown: Sequence[Shown]) -> str:
+    """Return events one after another, and the frame where a way is named."""
+    if not shown:
+        return ""
+    shown = sorted(shown, key=_told_at)
+    text = f"{teller.who(value)} {_event(teller, shown[0])}"
+    for before, each in pairwise(shown):
+        event = _event(teller, each)
+        is_same = before.kind is each.kind and each.kind in MOVING
+        text += f", {event.partition(' ')[2]}" if is_same else f"; {event}"
+    ways = [each.way for each in shown if each.kind in (EventKind.TURN, EventKind.SLIDE)]
+    return text + teller.where(value, ways)
+
+
+def _told_at(shown: Shown) -> float:
+    """Return when an event is: of the end of contact, its end."""
+    return shown.end_s if shown.kind is EventKind.RELEASE else shown.begin_s
+
+
+def _event(teller: Teller, shown: Shown) -> str:
+    if shown.kind is EventKind.TOUCH:
+        return f"touches at {teller.moment(shown.begin_s)}"
+    when = teller.span((shown.begin_s, shown.end_s))
+    if shown.kind is EventKind.STICK:
+        return f"is held still {when}"
+    if shown.kind is EventKind.RELEASE:
+        return f"is let go at {teller.moment(shown.end_s)}"
+    if shown.kind is EventKind.PRESS:
+        return f"presses in {when}"
+    far = f" {amount_phrase(shown.amount)}" if shown.amount is not None else ""
+    return f"{shown.kind.value}s {shown.way.value}{far} {when}"
+
+
+def _choice(teller: Teller, value: Choice) -> str:
+    head = head_of(value.of)
+    if head.word == "alternatives":
+        return _alternatives(value)
+    if head.word in ("which-clip", "which-more", "which-less"):
+        which = " and ".join(f"the {('first', 'second')[place]}" for place in value.chosen)
+        reason = f": {_each(teller, value.each)}" if value.each else ""
+        return f"{which or 'neither'}{reason}"
+    cases = [head.arguments[0][place] for place in value.chosen]
+    names = [str(case.label) if case.label is not None else case_phrase(case) for case in cases]
+    if head.word == "choose-not":
+        return f"not {joined(names)}" if names else "none of them can be ruled out"
+    if not names:
+        return (
+            f"none of these: {_clause(teller, value.motion)}" if value.motion else "none of these"
+        )
+    both = "both: " * (len(names) == 2 == len(head.arguments[0]))
+    motion = value.motion
+    if motion is None or (not motion.movements and motion.rest is None):
+        return f"{both}{joined(names)}"
+    is_way = any(case.label is None and case.holds.word in WAY_ATOMS for case in cases)
+    ways = [move.way for move in motion.movements] if is_way else []
+    return f"{both}{joined(names)}{teller.where(motion, ways)}"
+
+
+def _alternatives(value: Choice) -> str:
+    """Return the likeliest ways and rests, each with its probability."""
+    words = [*_WAY_WORDS, "holding still", "no contact"][: len(value.chances)]
+    ranked = sorted(zip(value.chances, words, strict=False), reverse=True)
+    likely = [f"{word} {chance:.0%}" for chance, word in ranked[:3] if chance >= 0.01]
+    return joined(likely or [f"{ranked[0][1]} {ranked[0][0]:.0%}"])
+
+
+def _place(_: Teller, value: Placed) -> str:
+    places = ((value.down, "upper", "lower"), (value.across, "left", "right"))
+    named = [
+        before if share < 0.5 else behind
+        for share, before, behind in places
+        if abs(share - 0.5) > OFF_CENTRE
+    ]
+    part = " ".join(named) if len(named) == 2 else f"{named[0]} middle" if named else "middle"
+    return (
+        f"in the {part} of the image, its middle at {value.across:.0%} of the width and "
+        f"{value.down:.0%} of the height; it covers about {value.share:.0%}"
+    )
+
+
+def _record(teller: Teller, value: Record) -> str:
+    parts = []
+    for key, each in value.fields:
+        name = f"the {each.clip}: " if each.clip else f"{key}: " if key else ""
+        told = teller.tell(each)
+        teller = replace(teller, named=told.named)
+        text = told.text.rstrip(".")
+        parts.append(f"{name}{text[:1].lower()}{text[1:]}")
+    return "; ".join(parts) or "none"
+
+
+def _remark(teller: Teller, value: Remark) -> str:
+    if value.kind == "cannot":
+        return replies()["untold"][value.topic]
+    if value.kind == "talk":
+        return replies()["talk"][value.topic]
+    if value.kind == "setup":
+        return f"I tell it in this frame: {teller.frame.sentence()}"
+    if value.kind == "file":
+        return file_phrase(value.topic, value.recording or teller.recording, teller.frame)
+    return replies()["help"]
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}" + "." * (text[-1:] not in ".?!")
+
+
+_TELLERS: dict[type[Value], Callable[[Teller, Value], str]] = {
+    Truth: _truth,
+    Amount: _amount,
+    Times: _times,
+    Moved: _moved,
+    Choice: _choice,
+    Record: _record,
+    Placed: _place,
+    Remark: _remark,
+}

@@ -1,0 +1,255 @@
+"""Write values in the form that was asked for: a word, a number, a template, JSON, a list."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from typing import Any
+
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import Component
+from geotlm_lm.query.phrases import amount_phrase, case_phrase, joined
+from geotlm_lm.query.program import Case, head_of
+from geotlm_lm.query.telling import MOVING, Teller, Told
+from geotlm_lm.query.values import (
+    Amount,
+    Choice,
+    Moved,
+    Placed,
+    Record,
+    Shown,
+    Times,
+    Truth,
+    Value,
+)
+
+POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
+ONE_WORDS = {Component.TURN: "rotation", Component.SLIDE: "slide", Component.PRESS: "press"}
+
+
+def told_in(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0) -> Told:
+    """Return values in a form of `program.FORMS`; what has no such form is told in full.
+
+    Args:
+        values: Of everything that was asked.
+        form: Wanted.
+        teller: Of the recording.
+        sure: Probability of the whole answer, for JSON.
+    """
+    if form == "json":
+        return Told(json.dumps(as_json(values, teller, sure)), teller.named)
+    if form in ("csv", "pairs"):
+        return Told(_template(values, form, teller), teller.named)
+    if form in ("list", "table"):
+        return _listed(values, form, teller)
+    texts, named = [], teller.named
+    for value in values:
+        short = shortened(value, form, teller)
+        told = Told(short, named) if short is not None else _renamed(teller, named).tell(value)
+        texts.append(told.text)
+        named = told.named
+    return Told(" ".join(texts), named)
+
+
+def _renamed(teller: Teller, named: str | None) -> Teller:
+    return Teller(teller.recording, teller.frame, named)
+
+
+def shortened(value: Value, form: str, teller: Teller) -> str | None:
+    """Return a value in a short form; None where it has none."""
+    if not value.is_known or form in ("sentence", "one-sentence"):
+        return None
+    if form == "one-zero":
+        return str(int(value.holds)) if isinstance(value, Truth) else None
+    if form == "sign":
+        is_moving = isinstance(value, Moved) and value.movements and value.still_axis is None
+        way = value.movements[0].way if is_moving else None
+        return None if way is None else "+" if way in POSITIVE else "-"
+    if form == "number":
+        return _number(value)
+    word = decided(value, teller)
+    if word is None or (form == "yes-no" and not isinstance(value, Truth)):
+        return None
+    return word if form == "bare" else f"{word[:1].upper()}{word[1:]}."
+
+
+def _number(value: Value) -> str | None:
+    if isinstance(value, Amount):
+        return f"{value.amount.value:g}"
+    if isinstance(value, Times) and len(value.times_s) == 1:
+        return f"{value.times_s[0]:g}"
+    return f"{value.probability:.2g}" if head_of(value.of).word == "sure" else None
+
+
+def decided(value: Value, teller: Teller) -> str | None:
+    """Return the word that a value comes to, such as "yes", "clockwise" or "12 deg"."""
+    if isinstance(value, Truth):
+        return "yes" if value.holds else "no"
+    if isinstance(value, Choice):
+        return _chosen(value)
+    if isinstance(value, Amount):
+        return f"{value.amount.value:g}" if not value.amount.unit else value.amount.word
+    if isinstance(value, Times):
+        return joined([teller.moment(each) for each in value.times_s]) if value.times_s else "never"
+    if isinstance(value, Record):
+        words = [decided(each, teller) for _, each in value.fields]
+        return "; ".join(words) if words and all(words) else None
+    return _motion(value) if isinstance(value, Moved) else None
+
+
+def _chosen(value: Choice) -> str | None:
+    head = head_of(value.of)
+    if head.word == "alternatives":
+        return None
+    if head.word in ("which-clip", "which-more", "which-less"):
+        return " and ".join(("first", "second")[place] for place in value.chosen) or "neither"
+    cases: tuple[Case, ...] = head.arguments[0]
+    chosen = [cases[place] for place in value.chosen]
+    return " and ".join(label(case) for case in chosen) or "none"
+
+
+def label(case: Case) -> str:
+    """Return what an option is called: its label, or what it says."""
+    if case.label is None:
+        return case_phrase(case)
+    return case.label if isinstance(case.label, str) else f"{case.label.value:g}"
+
+
+def _motion(value: Moved) -> str | None:
+    head = head_of(value.of)
+    if head.word in ("why", "sure", "alternatives"):
+        return f"{value.probability:.0%}" if head.word == "sure" else None
+    if value.tightens is not None:
+        return "tightens" if value.tightens else "loosens"
+    if head.arguments == ("thread",) and value.movements and not value.denied:
+        return "tightens and loosens"
+    if head.word == "kind" and value.movements:
+        return " and ".join(ONE_WORDS[move.component] for move in value.movements)
+    if head.word == "extent" and value.movements:
+        amounts = [move.amount for move in value.movements if move.amount is not None]
+        return joined([amount.word for amount in amounts]) if amounts else None
+    if value.still_axis is not None or (value.denied and not value.edit.undo):
+        return Motion.STILL.value
+    if value.movements:
+        return value.movements[0].way.value
+    return None if value.rest is None else value.rest.value
+
+
+# Templates
+
+
+def plain(value: Value, teller: Teller) -> Any:
+    """Return a value as plain JSON: true, 26.0, "clockwise"; null where it cannot be told."""
+    if not value.is_known:
+        return None
+    if isinstance(value, Truth):
+        return value.holds
+    if isinstance(value, Amount):
+        return value.amount.value
+    if isinstance(value, Times):
+        times = [round(each, 3) for each in value.times_s]
+        return times[0] if len(times) == 1 else times
+    if isinstance(value, Record):
+        if any(key for key, _ in value.fields):
+            return {key or str(place): plain(each, teller)
+                    for place, (key, each) in enumerate(value.fields, 1)}  # fmt: skip
+        return [plain(each, teller) for _, each in value.fields]
+    if isinstance(value, Placed):
+        return {name: round(getattr(value, name), 3) for name in ("across", "down", "share")}
+    if isinstance(value, Moved) and head_of(value.of).word == "story":
+        return [_event(each) for each in value.shown]
+    if isinstance(value, Moved) and head_of(value.of).word == "sure":
+        return round(value.probability, 3)
+    return decided(value, teller)
+
+
+def _event(shown: Shown) -> dict[str, Any]:
+    told = {"kind": shown.kind.value, "way": shown.way.value,
+            "begin_s": round(shown.begin_s, 3), "end_s": round(shown.end_s, 3)}  # fmt: skip
+    if shown.amount is not None:
+        told |= {"value": shown.amount.value, "unit": shown.amount.unit}
+    return told
+
+
+def _fields(values: Sequence[Value]) -> list[tuple[str | None, Value]]:
+    found: list[tuple[str | None, Value]] = []
+    for value in values:
+        found += value.fields if isinstance(value, Record) else [(None, value)]
+    return found
+
+
+def as_json(values: Sequence[Value], teller: Teller, sure: float) -> Any:
+    """Return values as plain JSON: under the keys of a template where one was given."""
+    fields = _fields(values)
+    if fields and all(key for key, _ in fields):
+        return {key: plain(value, teller) for key, value in fields}
+    names = [key or name_of(value) for key, value in fields]
+    found = {
+        name if names.count(name) == 1 else f"{name}_{place}": plain(value, teller)
+        for place, (name, (_, value)) in enumerate(zip(names, fields, strict=True), 1)
+    }
+    return found | {"probability": round(sure, 3)}
+
+
+def name_of(value: Value) -> str:
+    """Return the key of a value that was given none: "turn_deg", "moves", "time_s"."""
+    head = head_of(value.of)
+    while head.word in ("unit", "per", "round", "abs"):
+        head = head.arguments[-1]
+    if isinstance(value, Amount):
+        names = [each for each in head.arguments if isinstance(each, str)]
+        unit = value.amount.unit.replace("/", "_per_").replace("percent", "")
+        return "_".join([*(names or [head.word.replace("-", "_")]), *([unit] if unit else [])])
+    if isinstance(value, Times):
+        return f"{head.word}_s" if head.word in ("begin", "end") else "time_s"
+    if isinstance(value, Choice):
+        return "chosen"
+    return {"way": "way", "kind": "kind", "story": "events", "sure": "probability"}.get(
+        head.word, head.word.replace("-", "_")
+    )
+
+
+def _template(values: Sequence[Value], form: str, teller: Teller) -> str:
+    fields = _fields(values)
+    words = [_cell(value, teller) for _, value in fields]
+    keys = [key or name_of(value) for key, value in fields]
+    if form == "pairs":
+        return "\n".join(f"{key}={word}" for key, word in zip(keys, words, strict=True))
+    rows = [keys, words] if any(key for key, _ in fields) else [words]
+    return _csv(rows)
+
+
+def _csv(rows: Sequence[Sequence[str]]) -> str:
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows(rows)
+    return text.getvalue().rstrip("\n")
+
+
+def _cell(value: Value, teller: Teller) -> str:
+    found = plain(value, teller)
+    if found is None:
+        return ""
+    if isinstance(found, bool):
+        return "1" if found else "0"
+    return f"{found:g}" if isinstance(found, float | int) else str(found)
+
+
+def _listed(values: Sequence[Value], form: str, teller: Teller) -> Told:
+    """Return values, a record's or a story's parts, each on a line of its own."""
+    lines: list[list[str]] = []
+    for value in values:
+        if isinstance(value, Moved) and head_of(value.of).word == "story" and value.shown:
+            for each in value.shown:
+                far = "" if each.amount is None else amount_phrase(each.amount)
+                way = each.way.value if each.kind in MOVING else ""
+                lines.append([teller.span((each.begin_s, each.end_s)), each.kind.value, way, far])
+        elif isinstance(value, Record):
+            lines += [[key or "", decided(each, teller) or ""] for key, each in value.fields]
+        else:
+            lines.append([teller.tell(value).text])
+    if form == "table":
+        return Told("\n".join(" | ".join(line) for line in lines), teller.named)
+    texts = [" ".join(part for part in line if part) for line in lines]
+    return Told("\n".join(f"{k}. {text}" for k, text in enumerate(texts, 1)), teller.named)

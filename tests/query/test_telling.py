@@ -1,0 +1,136 @@
+"""Values in sentences and in the forms that are asked for."""
+
+import json
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.query import program as p
+from geotlm_lm.query.answers import answers
+from geotlm_lm.query.telling import Teller
+from geotlm_lm.query.written import told_in
+from tests.query.programs import (
+    RECORDING,
+    certain,
+    expressions,
+    of_clip,
+    of_track,
+    pairs,
+    there_and_back,
+)
+from tests.query.strategies import turning
+
+FRAME = FrameSpec()
+MOST_WORDS = 30
+
+
+def told(line, *clips, texts=(), frame=FRAME):
+    """Return what a line is answered by."""
+    clips = clips or (there_and_back(),)
+    program = p.filled(p.read(line), (), texts)
+    values = answers(program, clips, frame)
+    return told_in(values, program.form, Teller(clips[-1].recording, frame), 0.9).text
+
+
+@pytest.mark.parametrize(("line", "text"), [
+    ("> amount cw 30.0:deg", "Yes, about 65 degrees."),
+    ("turn ; as one-zero", "1"),
+    ("slide ; as yes-no", "No."),
+    ("count turn-events ; as number", "3"),
+    ("begin first turn-events", "At 1.0 s."),
+    ("begins turn-events", "At 1.0 s, 2.0 s and 3.0 s."),
+    ("unit ms delay begin contact begin first turn-events", "1000 ms."),
+    ("unit frame delay begin contact begin first turn-events", "25 frames."),
+    ("way turn ; as word", "Clockwise."),
+    ("way sign ; as sign", "+"),
+    ("choose A cw | B ccw ; as letter", "A."),
+    ("choose -1 left | 1 right | 0 other ; as bare", "0"),
+    ("largest ccw-events", "From 2.0 to 3.0 s."),
+])  # fmt: skip
+def test_a_value_in_the_form_that_was_asked_for(line, text):
+    assert told(line) == text
+
+
+def test_own_words_are_printed_as_they_stand():
+    assert (
+        told("choose @1 > amount cw 30.0:deg | @2 other ; as bare", texts=("STOP", "GO")) == "STOP"
+    )
+    assert told("choose @1 slide | @2 other ; as bare", texts=("STOP", "GO")) == "GO"
+
+
+def test_a_template_is_filled_under_its_own_keys():
+    line = "record @1 count turn-events , @2 turn end ; as json"
+    assert json.loads(told(line, texts=("n", "turns"))) == {"n": 3, "turns": True}
+    line = "record @1 count turn-events , @2 begin first turn-events end ; as pairs"
+    assert told(line, texts=("n", "t0")) == "n=3\nt0=1"
+    line = "record @1 count turn-events , @2 way turn end ; as csv"
+    assert told(line, texts=("n", "dir")) == "n,dir\n3,clockwise"
+
+
+def test_a_story_is_a_list_where_one_is_asked_for():
+    lines = told("story ; as list").splitlines()
+    assert lines[0] == "1. at 0.0 s touch"
+    assert lines[2] == "3. from 1.0 to 2.0 s turn clockwise 40 degrees"
+
+
+def test_a_story_ends_with_the_end_of_contact():
+    assert told("story ; as list").splitlines()[-1] == "6. at 4.0 s release"
+
+
+def test_no_is_told_with_what_is_so_instead():
+    assert told("slide", of_clip(certain(turn=20))).startswith("No: it does not slide")
+    assert told("ccw", of_clip(certain(turn=20))).startswith("No: it turns clockwise, about 20")
+
+
+@given(expressions(), pairs)
+@settings(max_examples=60, deadline=None)
+def test_whatever_is_asked_is_told_in_every_form(expression, clips):
+    values = answers(p.Program((expression,)), clips, FRAME)
+    for form in ("sentence", "word", "number", "json", "csv", "pairs", "list", "table", "bare"):
+        assert isinstance(told_in(values, form, Teller(clips[-1].recording, FRAME)).text, str)
+
+
+@pytest.mark.parametrize("line", ["turn", "cw", "way turn", "amount turn", "slide", "touch",
+                                  "begin first turn-events", "kind", "always turn"])  # fmt: skip
+def test_an_answer_is_short(line):
+    assert len(told(line).split()) <= MOST_WORDS
+
+
+@pytest.mark.parametrize(("line", "belief", "text"), [
+    ("not turn", certain(turn=12),
+     "No, that is not so: it turns clockwise, about 12 degrees, in the camera image."),
+    ("mirror backwards way all", certain(turn=12),
+     "It turns clockwise, about 12 degrees, in the camera image mirrored, played backwards."),
+    ("move", certain(), "No: it touches but does not move."),
+    ("way all", certain(contact=0.0), "Nothing touches the gel."),
+    ("way y", certain(right=9), "It does not slide vertically."),
+    ("tighten", certain(turn=12),
+     "I need the thread and the side that is touched; say for example 'right-hand thread, "
+     "touched at the head'."),
+    ("undo way turn", certain(turn=12),
+     "Turn the object counterclockwise, about 12 degrees, in the camera image."),
+    ("count turn-events", certain(turn=12),
+     "One clip does not show that; give me the whole recording."),
+])  # fmt: skip
+def test_a_clip_is_told(line, belief, text):
+    assert told(line, of_clip(belief)) == text
+
+
+UNTIMED = replace(RECORDING, rate_hz=None)
+
+
+@pytest.mark.parametrize(("line", "clips", "text"), [
+    ("length contact", [of_track(turning([40.0]), recording=UNTIMED)], "50 frames."),
+    ("time-while turn ; as number", [of_track(turning([40.0]), recording=UNTIMED)], "26"),
+    ("way y ; as word", [of_clip(certain(right=9))], "Still."),
+    ("way y ; as sign", [of_clip(certain(right=9))], "It does not slide vertically."),
+    ("amount y", [of_clip(certain(right=9))], "It does not slide vertically."),
+    ("of-first file frames",
+     [of_clip(certain()), of_clip(certain(), 1, replace(RECORDING, frames=9))], "100 frames."),
+    ("within between t 20.0:s t 30.0:s amount turn", [there_and_back()],
+     "That part holds no frames; name two times within the recording."),
+])  # fmt: skip
+def test_what_a_recording_lacks_is_told_as_such(line, clips, text):
+    assert told(line, *clips) == text
