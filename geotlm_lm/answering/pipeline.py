@@ -30,8 +30,7 @@ from geotlm_lm.query.evaluate import Evidence
 from geotlm_lm.query.facts import FACTS, Fact, with_facts
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.program import Program, head_of, of, type_of, write
-from geotlm_lm.query.reader import Reader
-from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
 from geotlm_lm.query.telling import Teller
@@ -182,9 +181,7 @@ _WORDS = Teller(Recording(rate_hz=1.0))
 def _same(one: Value, other: Value) -> bool:
     """Tell whether two values say the same, amounts within their tolerance."""
     if isinstance(one, Amount) and isinstance(other, Amount):
-        first, second = one.amount, other.amount
-        far = max(first.tolerance, second.tolerance)
-        return first.unit == second.unit and abs(first.value - second.value) <= far
+        return one.amount.is_near(other.amount)
     if isinstance(one, Remark) and isinstance(other, Remark):
         return (one.kind, one.topic) == (other.kind, other.topic)
     if isinstance(one, Unknown) or isinstance(other, Unknown):
@@ -375,7 +372,7 @@ def _noted(asked: Asked, understood: Understood, plain: Answer) -> Answer:
 
 
 def _direction(value: Value) -> Motion | None:
-    moved = value if isinstance(value, Moved) else getattr(value, "motion", None)
+    moved = value.moved
     if moved is None or moved.still_axis is not None:
         return None
     return moved.movements[0].way if moved.movements else moved.rest
@@ -410,8 +407,8 @@ def _measures(value: Value) -> list[Measure]:
     if isinstance(value, Record):
         return [each for _, field in value.fields for each in _measures(field)]
     measures = [value.amount] if isinstance(value, Amount) else [*getattr(value, "amounts", ())]
-    moved = value if isinstance(value, Moved) else getattr(value, "motion", None)
-    return measures + [move.amount for move in getattr(moved, "movements", ()) if move.amount]
+    moves = () if value.moved is None else value.moved.movements
+    return measures + [move.amount for move in moves if move.amount]
 
 
 def _notes(values: Sequence[Value], recording: Recording, evidence: Evidence) -> tuple[str, ...]:

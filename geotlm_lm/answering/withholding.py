@@ -16,7 +16,6 @@ from geotlm_lm.core.twist import Component
 from geotlm_lm.query.program import EVENTS, TWO_CLIPS, Expression, head_of
 from geotlm_lm.query.values import (
     Choice,
-    Moved,
     Movement,
     Placed,
     Record,
@@ -118,18 +117,12 @@ def _denies_contact(value: Value) -> bool:
     return is_denied or _rest(value) is Motion.NONE
 
 
-def _moved(value: Value) -> Moved | None:
-    return value if isinstance(value, Moved) else getattr(value, "motion", None)
-
-
 def _movements(value: Value) -> Iterator[Movement]:
-    moved = _moved(value)
-    return iter(() if moved is None else moved.movements)
+    return iter(() if value.moved is None else value.moved.movements)
 
 
 def _rest(value: Value) -> Motion | None:
-    moved = _moved(value)
-    return None if moved is None else moved.rest
+    return None if value.moved is None else value.moved.rest
 
 
 def _words(value: Value) -> Iterator[str]:

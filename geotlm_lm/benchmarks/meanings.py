@@ -67,7 +67,7 @@ def is_same(one: Value, other: Value) -> bool:
         case Truth():
             return one.holds == other.holds
         case Amount():
-            return _is_near(one.amount, other.amount)
+            return one.amount.is_near(other.amount)
         case Times():
             times = one.times_s, other.times_s
             return len(times[0]) == len(times[1]) and np.allclose(*times, rtol=0, atol=STEP_S)
@@ -96,10 +96,7 @@ def _asked(value: Value) -> tuple[str, str]:
 
 
 def _is_near(one: Measure | None, other: Measure | None) -> bool:
-    if one is None or other is None:
-        return one is other
-    far = max(one.tolerance, other.tolerance)
-    return one.unit == other.unit and abs(one.value - other.value) <= far
+    return one is other if one is None or other is None else one.is_near(other)
 
 
 def _ways(value: Moved) -> tuple[object, ...]:

@@ -186,7 +186,7 @@ def _stage_rows(run: Run) -> Iterator[Row]:
     imprint, stem = imprint_of(clip), measure_clip(clip)
     inputs, motions = (torch.from_numpy(x)[None] for x in (stem.inputs, stem.motions.numbers()))
     tokens = model.backbone.encode_inputs(inputs)
-    perception, sentence = model.fuse(tokens), bundle.grammar.options_for("direction")[0]
+    perception = model.fuse(tokens)
     token, geometry = perception.fused_token, perception.geometry
     reading = reading_of(token, bundle.motion(measured(inputs, motions, geometry, token)))
     ways = {
@@ -200,9 +200,6 @@ def _stage_rows(run: Run) -> Iterator[Row]:
         "belief": lambda: bundle.motion(measured(inputs, motions, geometry, token)),
         "question read": lambda: bundle.reader.read(QUESTION),
         "language model: answer, token by token": lambda: speaker.generate(reading, [QUESTION]),
-        "language model: one answer checked": lambda: speaker.would_write(
-            reading[0], QUESTION, sentence
-        ),
     }
     repeats = run.size(30, 1)
     for name, runs in in_turn(ways, repeats).items():

@@ -27,8 +27,7 @@ from geotlm_lm.query.labelled import (
     written_by,
 )
 from geotlm_lm.query.program import filled, head_of, read
-from geotlm_lm.query.reader import Reader
-from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.training.calibration import expected_calibration_error
 
 PROGRAM, VALUE, SEEN = "right program", "right value", "of families trained on"

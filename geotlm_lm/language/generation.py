@@ -100,27 +100,6 @@ class Speaker:
             self.model.projector(fused_token), self.prompts.slot_prompt, self.prompts.slot_words
         )
 
-    def would_write(self, fused_token: Tensor, question: str, sentence: str) -> bool:
-        """Tell whether `generate` answers a question by exactly this sentence, from one pass.
-
-        It does where every token of the sentence, its end included, is the likeliest behind those
-        before it (but for ties in the last bit).
-
-        Args:
-            fused_token: (fused width,), unitless.
-            question: The question.
-            sentence: The answer in question.
-
-        Raises:
-            ValueError: If the shape is another, or a token is not finite.
-            UsageError: If the question is empty or too long.
-        """
-        fused_token = self._checked(fused_token, (self.model.fused_width,))
-        prompt, answer = self.prompts.prompt(question), self.prompts.answer(sentence)
-        hidden, _ = self._read(fused_token, [*prompt, *answer[:-1]])
-        logits = self._decoder.logits(hidden[len(prompt) - 1 :])
-        return logits.argmax(axis=-1).tolist() == answer
-
     def score(self, fused_token: Tensor, question: str, options: Sequence[str]) -> np.ndarray:
         """Return the log-probability of each option as the whole answer, its end included.
 

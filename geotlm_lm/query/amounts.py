@@ -130,6 +130,11 @@ class Measure:
         """Its value as a detection limit: two digits, rounded up."""
         return _two_digits_up(self.mean)
 
+    def is_near(self, other: Measure) -> bool:
+        """Tell whether both tell the same, within the tolerance."""
+        far = max(self.tolerance, other.tolerance)
+        return self.unit == other.unit and abs(self.value - other.value) <= far
+
     def to_dict(self) -> dict[str, float | str]:
         """Return plain JSON values."""
         low, high = self.span

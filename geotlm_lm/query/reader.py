@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
@@ -25,8 +25,8 @@ from geotlm_lm.language.decoder import LanguageSize, LlamaDecoder
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
+from geotlm_lm.query.program import Program, filled, read
 from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.reading import Reading
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.words import END
 
@@ -41,6 +41,22 @@ SURE = 0.85
 """Probability of a reading from which on no other one is looked at."""
 MOST = 5
 """How many readings are looked at where the first is not sure."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What a question was taken to mean."""
+
+    line: str  # the program's words, numbers and copied words as slots
+    quantities: tuple[Quantity, ...]  # numbers of the question, for the slots
+    texts: tuple[str, ...]  # its words that may be copied
+    probability: float  # that this is what was meant, calibrated
+    chance: float  # that the model writes it, not calibrated
+
+    @property
+    def program(self) -> Program:
+        """The program with the question's numbers and words."""
+        return filled(read(self.line), self.quantities, self.texts)
 
 
 class _Begun(NamedTuple):

@@ -82,7 +82,6 @@ class Teller:
         recording: The file, for its times and for questions on itself.
         frame: In which the recording's facts hold.
         named: The point of view that was named before, in words.
-        asked: The view that was asked for beside that of the frame.
     """
 
     recording: Recording

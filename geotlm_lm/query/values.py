@@ -58,6 +58,11 @@ class Value:
         """Whether it could be told at all."""
         return True
 
+    @property
+    def moved(self) -> Moved | None:
+        """The motion that it is, or rests on."""
+        return self if isinstance(self, Moved) else getattr(self, "motion", None)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Unknown(Value):

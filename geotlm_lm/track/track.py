@@ -11,7 +11,7 @@ and rates of a track are those of its events, and its net way is never longer th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import astuple, dataclass, replace
 from typing import Any
 
@@ -373,15 +373,6 @@ def main_event(track: Track) -> Event | None:
         key=lambda event: (event.kind in MOVING, path_of_event(track, event)),
         default=None,
     )
-
-
-def together_s(events: Sequence[Event]) -> float:
-    """Return the time in which at least one of some events goes on."""
-    total, until = 0.0, -math.inf
-    for event in sorted(events, key=lambda event: event.begin_s):
-        total += max(event.end_s - max(event.begin_s, until), 0.0)
-        until = max(until, event.end_s)
-    return total
 
 
 def path_of_event(track: Track, event: Event) -> float:

@@ -14,7 +14,7 @@ from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.copied import copied
 from geotlm_lm.query.quantities import quantities
-from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.reader import Reading
 
 
 def believed(*ways, share=0.97, contact=None, deg=12.0, px=14.0, mm=0.5, spread=0.05):

@@ -29,7 +29,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.data.questions import questions_for
 from geotlm_lm.data.templates import load_templates
-from geotlm_lm.query.reading import Reading
+from geotlm_lm.query.reader import Reading
 from geotlm_lm.query.types import WAY_ATOMS
 from tests.answering.scripted import ScriptedReader, believed, feeling, recording
 from tests.tiny_bundle import tiny_bundle

@@ -66,10 +66,11 @@ def test_every_reason_has_a_sentence():
     used = {"unsure", "pixel", "before", "none-such", "unreadable"}
     for path in (root / "query").glob("*.py"):
         text = path.read_text(encoding="utf-8")
-        used |= {*re.findall(r'(?:Untold\(|reason=|reason: str = |reason or )"([a-z-]+)"', text)}
+        given = r'(?:Untold\(|reason=|reason: str = |reason or |\.reason = )"([a-z-]+)"'
+        used |= {*re.findall(given, text)}
     text = (root / "answering" / "withholding.py").read_text(encoding="utf-8")
     used |= {*re.findall(r'return \(?"([a-z-]+)"', text)}
-    assert {"contact", "mask", "reference", "unrecognised", "suspicion", "scale"} <= used
+    assert {"never", "contact", "mask", "reference", "unrecognised", "suspicion", "scale"} <= used
     assert used <= {*replies()["missing"]}
-    assert {*UNANSWERABLE} <= {*replies()["untold"]}
-    assert {*TALK} - {"statement"} <= {*replies()["talk"]}
+    assert {*UNANSWERABLE} == {*replies()["untold"]}
+    assert {*TALK} == {*replies()["talk"]}
