@@ -13,10 +13,10 @@ def require_encoded(*given: object) -> None:
     Raises:
         TypeError: If one is something else, such as a path or a clip.
     """
-    for one in given:
-        if not isinstance(one, Encoded):
+    for each in given:
+        if not isinstance(each, Encoded):
             raise TypeError(
-                f"an encoded clip was expected, found {type(one).__name__}; encode it first, by "
+                f"an encoded clip was expected, found {type(each).__name__}; encode it first, by "
                 f"answerer.encode(read_clip(path)) or answerer.encode(Clip(frames))"
             )
 

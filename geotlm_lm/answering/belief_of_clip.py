@@ -61,8 +61,8 @@ def reading(encoded: Encoded) -> Tensor:
     return torch.cat([token, torch.tensor(numbers, dtype=token.dtype)])
 
 
-def _contact(told: float, encoded: Encoded) -> float:
+def _contact(believed: float, encoded: Encoded) -> float:
     """Return how probable it is that something touches, by what is told and by the pictures."""
     if encoded.is_untouched:
         return 1 - UNTOUCHED_PROBABILITY
-    return max(told, UNTOUCHED_PROBABILITY) if encoded.is_changed else told
+    return max(believed, UNTOUCHED_PROBABILITY) if encoded.is_changed else believed

@@ -42,15 +42,15 @@ class MeasuredMotion:
     @classmethod
     def of(cls, belief: Belief, recording: Recording, frame: FrameSpec) -> MeasuredMotion:
         """Return what is believed of a clip; `frame` tells the size of a pixel, if anybody does."""
-        found = {one: measure(one.value, belief, frame, recording) for one in COMPONENTS}
+        measures = {part: measure(part.value, belief, frame, recording) for part in COMPONENTS}
         return cls(
-            found,
+            measures,
             right=measure("right", belief, frame, recording).mean,
             down=measure("down", belief, frame, recording).mean,
-            moves={one: belief.moves(one) for one in COMPONENTS},
-            ways={one: belief.way(one) for one in COMPONENTS},
-            limits={one: _limit(one, belief, frame, recording) for one in COMPONENTS},
-            readable={one: belief.readable[one] for one in COMPONENTS},
+            moves={part: belief.moves(part) for part in COMPONENTS},
+            ways={part: belief.way(part) for part in COMPONENTS},
+            limits={part: _limit(part, belief, frame, recording) for part in COMPONENTS},
+            readable={part: belief.readable[part] for part in COMPONENTS},
             contact=belief.contact,
         )
 
@@ -59,33 +59,33 @@ class MeasuredMotion:
 
         The spans are of the size, without sign.
         """
-        found: dict[str, Any] = {}
-        for one in COMPONENTS:
-            told = self.measures[one]
-            low, high = told.span
-            found[one.value] = {
-                "unit": told.unit,
-                "mean": round(told.mean, 4),
+        row: dict[str, Any] = {}
+        for part in COMPONENTS:
+            measured = self.measures[part]
+            low, high = measured.span
+            row[part.value] = {
+                "unit": measured.unit,
+                "mean": round(measured.mean, 4),
                 "low": low,
                 "high": high,
-                "limit": self.limits[one],
-                "moves": round(self.moves[one], 4),
-                "way": self.ways[one].value,
-                "readable": self.readable[one],
+                "limit": self.limits[part],
+                "moves": round(self.moves[part], 4),
+                "way": self.ways[part].value,
+                "readable": self.readable[part],
             }
-        found["slide"] |= {"right": round(self.right, 4), "down": round(self.down, 4)}
-        return found | {"contact": round(self.contact, 4)}
+        row["slide"] |= {"right": round(self.right, 4), "down": round(self.down, 4)}
+        return row | {"contact": round(self.contact, 4)}
 
     def sentence(self) -> str:
         """Return what was measured, and how far off it may be."""
         parts = []
-        for one in COMPONENTS:
-            way = self.ways[one].value
-            doing = {"press": "growth", "release": "shrinking"}.get(way, f"{one.value} {way}")
-            what = f"a {doing} of the contact" if one is Component.PRESS else f"a {doing}"
-            doubt = "" if self.readable[one] else ", which the picture hardly tells"
-            told = amount_phrase(self.measures[one], with_span=True)
-            parts.append(f"{what} of about {told}{doubt}")
+        for part in COMPONENTS:
+            way = self.ways[part].value
+            doing = {"press": "growth", "release": "shrinking"}.get(way, f"{part.value} {way}")
+            what = f"a {doing} of the contact" if part is Component.PRESS else f"a {doing}"
+            doubt = "" if self.readable[part] else ", which the picture hardly tells"
+            amount = amount_phrase(self.measures[part], with_span=True)
+            parts.append(f"{what} of about {amount}{doubt}")
         return f"Measured from the first frame to the last: {'; '.join(parts)}."
 
 

@@ -35,7 +35,7 @@ from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
 from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Remark, Truth, Unknown, Value
-from geotlm_lm.query.written import decided, label, told_in
+from geotlm_lm.query.written import decided, label, worded
 
 UNDERSTOOD = 0.5
 """Probability of a reading from which on it is likelier than all others together."""
@@ -309,7 +309,7 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     sure = understood.probability * min(each.probability for each in values)
     is_talk = all(isinstance(each, Remark) for each in values)
     guess = any(map(is_guess, values))
-    wording = told_in(values, program.form, teller, sure)
+    wording = worded(values, program.form, teller, sure)
     text = wording.text
     if head_of(program.answers[0]).word in ("why", "why-of"):
         text = " ".join([*evidence.reasons, f"Therefore: {text[:1].lower()}{text[1:]}"])

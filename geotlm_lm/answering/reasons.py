@@ -75,18 +75,18 @@ def halves(regions: Regions) -> str:
     shifts = [_shift(regions, name) for name in (*differences, "global")]
     greatest = max(abs(value) for shift in shifts for value in shift)
     whole = _way(_shift(regions, "global"), greatest)
-    told = [f"the whole contact goes {whole}" if whole else "the whole contact stays"]
+    parts = [f"the whole contact goes {whole}" if whole else "the whole contact stays"]
     for name in differences:
         first, second = name.split("_minus_")
         empty = [half for half in (first, second) if regions[half]["contact_mass"] < EMPTY_HALF]
         way = _way(_shift(regions, name), greatest)
         if empty:
-            told.append(f"the {empty[0]} half is untouched")
+            parts.append(f"the {empty[0]} half is untouched")
         elif way:
-            told.append(f"the {first} half goes {way} against the {second} half")
+            parts.append(f"the {first} half goes {way} against the {second} half")
         else:
-            told.append(f"the {first} and {second} halves go alike")
-    return ", ".join(told)
+            parts.append(f"the {first} and {second} halves go alike")
+    return ", ".join(parts)
 
 
 def contact_place(regions: Regions, share: float) -> str:
@@ -138,8 +138,8 @@ def _sums(pattern: Pattern, motion: Motion | None, where: str) -> str:
     if strength is None:
         return ""
     if motion in (Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE):
-        found = Motion.CLOCKWISE if pattern.turn > 0 else Motion.COUNTERCLOCKWISE
-        text = f"The common shift cancels in the differences of the halves, which add up {found}"
+        turn = Motion.CLOCKWISE if pattern.turn > 0 else Motion.COUNTERCLOCKWISE
+        text = f"The common shift cancels in the differences of the halves, which add up {turn}"
     elif motion in (Motion.PRESS, Motion.RELEASE):
         way = "outwards" if pattern.apart > 0 else "inwards"
         text = f"The common shift cancels in the differences of the halves, which add up {way}"

@@ -88,7 +88,7 @@ class Session:
 
     @property
     def _last_turn(self) -> Turn | None:
-        return next((one for one in reversed(self.history) if _is_about_clip(one.answer)), None)
+        return next((turn for turn in reversed(self.history) if _is_about_clip(turn.answer)), None)
 
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
@@ -134,32 +134,32 @@ class Session:
         typed = check_question(question)
         clips = tuple(self.clips[-2:])
         asked = Asked(self.answerer.bundle, clips, self.frame, self._named)
-        found = understand(asked.bundle.reader, typed, self._before, asked)
-        about_last = self._about_last(found)
+        understood = understand(asked.bundle.reader, typed, self._before, asked)
+        about_last = self._about_last(understood)
         if about_last is not None:
             reply: Reply = about_last
-        elif len(clips) == 2 and any(map(asks_of_two, found.program.answers)):
-            reply = compared(asked, found)
+        elif len(clips) == 2 and any(map(asks_of_two, understood.program.answers)):
+            reply = compared(asked, understood)
         else:
-            reply = answer(asked, found)
+            reply = answer(asked, understood)
         place = len(self.clips) - 1
         turn = Turn(typed, reply, self.frame, self.encoded, self._before, self._named, place)
         self.history.append(turn)
         if isinstance(reply, Answer):
             self._named = reply.point_of_view or self._named
-        if found.ask_back is None:
-            self.frame = asked.frame_after(found.program)
-            if _asks(found.program):
-                self._before = found.program
+        if understood.ask_back is None:
+            self.frame = asked.frame_after(understood.program)
+            if _asks(understood.program):
+                self._before = understood.program
         return reply
 
-    def _about_last(self, found: Understood) -> Answer | None:
+    def _about_last(self, understood: Understood) -> Answer | None:
         """Return what is told of the last answer about this clip: how sure, how near, and why."""
         turn = self._last_turn
-        if turn is None or turn.place != len(self.clips) - 1 or found.ask_back is not None:
+        if turn is None or turn.place != len(self.clips) - 1 or understood.ask_back is not None:
             return None
-        last, asked = turn.answer, found.program.answers
-        if not isinstance(last, Answer) or len(asked) != 1 or found.program.form != "sentence":
+        last, asked = turn.answer, understood.program.answers
+        if not isinstance(last, Answer) or len(asked) != 1 or understood.program.form != "sentence":
             return None
         word = asked[0].word
         if word == "why":
@@ -171,7 +171,7 @@ class Session:
             text = last.text if last.abstained else f"About {last.confidence:.0%}: {last.text}"
         else:
             return None
-        return replace(last, text=text, kind="talk", query=found.line)
+        return replace(last, text=text, kind="talk", query=understood.line)
 
     def take_back(self, question: str) -> None:
         """Forget the last turn, if this was its question, and what it said about the frame."""

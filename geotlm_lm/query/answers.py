@@ -1,6 +1,7 @@
 """What each thing that is asked comes to: arrays over the worlds made into one value.
 
-Told is what holds in most worlds; its probability is the share of worlds in which all of it does.
+A value is what holds in most worlds; its probability is the share of worlds in which all of it is
+so.
 """
 
 from __future__ import annotations
@@ -120,8 +121,8 @@ def _either(expression: Expression, context: Context) -> Value:
     condition, *branches = expression.arguments
     chance, known = _chance(evaluate(condition, context), context)
     holds = chance >= known / 2
-    found = answer(branches[not holds], context)
-    return replace(found, probability=found.probability * (chance if holds else known - chance))
+    value = answer(branches[not holds], context)
+    return replace(value, probability=value.probability * (chance if holds else known - chance))
 
 
 def _truth(expression: Expression, context: Context) -> Value:
@@ -147,9 +148,9 @@ def _compared(inner: Expression, context: Context) -> Iterator[Measure]:
     elif inner.word in (">", "<", "=", "~", "in-range"):
         measured_first = inner.arguments[0]
         if measured_first.value is None and isinstance(
-            found := answer(measured_first, context), Amount
+            value := answer(measured_first, context), Amount
         ):
-            yield found.amount
+            yield value.amount
 
 
 def _of_two(inner: Expression, context: Context) -> tuple[Value, ...]:
@@ -177,13 +178,13 @@ def _likely(events: Events) -> Iterator[tuple[Happening, bool]]:
     return zip(events.happenings, events.is_so.mean(axis=1) >= 0.5, strict=True)
 
 
-def _chance(found: Floats, context: Context) -> tuple[float, float]:
+def _chance(holds: Floats, context: Context) -> tuple[float, float]:
     """Return in which share of the worlds something is so, and in which it can be told."""
-    found = np.broadcast_to(found, (COUNT,))
-    known = float(np.isfinite(found).mean())
+    holds = np.broadcast_to(holds, (COUNT,))
+    known = float(np.isfinite(holds).mean())
     if known < 0.5:
         raise Untold(context.trace.reason or "none-such")
-    return float(np.nansum(found)) / COUNT, known
+    return float(np.nansum(holds)) / COUNT, known
 
 
 def _motion_of(components: tuple[Component, ...], context: Context) -> Moved | None:
@@ -194,16 +195,18 @@ def _motion_of(components: tuple[Component, ...], context: Context) -> Moved | N
 
 
 def _amount(expression: Expression, context: Context) -> Value:
-    found = evaluate(expression, context)
-    middle(context, found.values)
+    numbers = evaluate(expression, context)
+    middle(context, numbers.values)
     inner, placed = _placed(expression, context)
     components = tuple(context.trace.components)
     motion = moved(placed, components) if components else None
-    if motion is not None and _is_way(inner):
-        along = moved_along(placed, inner.arguments[0]) if inner.arguments[0] in "xy" else motion
+    measure = p.measure_of(inner)
+    if motion is not None and measure.word in p.GOING:
+        (atom,) = measure.arguments
+        along = moved_along(placed, atom) if atom in ("x", "y") else motion
         if set(components) <= _unmoved(motion, components) or along.still_axis is not None:
             return replace(along, of=expression)
-    amount, right = spread(found, _moving(placed, components), context)
+    amount, right = spread(numbers, _moving(placed, components), context)
     rounded = next((each.arguments[0] for each in expression if each.word == "round"), None)
     if rounded is not None:
         amount = replace(amount, decimals=int(rounded))
@@ -220,31 +223,24 @@ def _unmoved(motion: Moved, components: tuple[Component, ...]) -> set[Component]
     return set(components) if motion.rest else set(motion.denied)
 
 
-def _is_way(inner: Expression) -> bool:
-    """Tell whether what is asked for is how far something goes, and no number made of it."""
-    while inner.word in ("unit", "per", "round", "abs"):
-        inner = inner.arguments[-1]
-    return inner.word in ("amount", "path", "peak", "speed", "top-speed")
-
-
 def _moving(context: Context, components: tuple[Component, ...]) -> NDArray[np.bool_]:
     """Return the worlds in which all that likely moves of some components does."""
-    found = np.ones(COUNT, bool)
+    moving = np.ones(COUNT, bool)
     for component in components:
         moves = np.broadcast_to(trait(context, component.value), (COUNT,)) > 0
-        found &= moves if moves.mean() >= 0.5 else True
-    return found
+        moving &= moves if moves.mean() >= 0.5 else True
+    return moving
 
 
 def _times(expression: Expression, context: Context) -> Value:
-    found = np.broadcast_to(evaluate(expression, context), (COUNT,))
-    known = np.isfinite(found)
+    times = np.broadcast_to(evaluate(expression, context), (COUNT,))
+    known = np.isfinite(times)
     _, placed = _placed(expression, context)
     if known.mean() < 0.5:
         return Times(of=expression, times_s=(), probability=1 - float(known.mean()),
                      edit=placed.view)  # fmt: skip
-    at = float(np.median(found[known]))
-    near = known & (np.abs(found - at) <= TOGETHER_S)
+    at = float(np.median(times[known]))
+    near = known & (np.abs(times - at) <= TOGETHER_S)
     return Times(of=expression, times_s=(at,), probability=float(near.mean()), edit=placed.view,
                  shown=shown_in(placed, at))  # fmt: skip
 
@@ -265,8 +261,8 @@ def _event(expression: Expression, context: Context) -> Value:
 def _way(expression: Expression, context: Context) -> Value:
     inner, placed = _placed(expression, context)
     if inner.word == "story":
-        found = moved(placed, ())
-        return replace(found, of=expression, shown=story_of(placed))
+        value = moved(placed, ())
+        return replace(value, of=expression, shown=story_of(placed))
     asked = inner.arguments[0] if inner.word == "way" else "all"
     if asked == "thread":
         shown = of_components(story_of(placed), (Component.TURN,))
@@ -274,9 +270,9 @@ def _way(expression: Expression, context: Context) -> Value:
     if asked in ("x", "y"):
         return replace(moved_along(placed, asked), of=expression)
     part = () if asked == "all" else (Component("turn" if asked == "sign" else asked),)
-    found = moved(placed, part)
+    value = moved(placed, part)
     shown = story_of(placed) if inner.word in ("way", "extent") else ()
-    return replace(found, of=expression, shown=of_components(shown, part or COMPONENTS))
+    return replace(value, of=expression, shown=of_components(shown, part or COMPONENTS))
 
 
 def _label(expression: Expression, context: Context) -> Value:
@@ -323,12 +319,12 @@ def _record(expression: Expression, context: Context) -> Value:
         fields = [(word.removeprefix("of-"), _of_clip(inner.arguments[0], placed, word))
                   for word in ("of-first", "of-second")]  # fmt: skip
     else:
-        found = evaluate(inner.arguments[0], placed)
-        is_likely = found.is_so.mean(axis=1) >= 0.5
-        likely = [each for each, is_so in _likely(found) if is_so]
+        events = evaluate(inner.arguments[0], placed)
+        is_likely = events.is_so.mean(axis=1) >= 0.5
+        likely = [each for each, is_so in _likely(events) if is_so]
         if inner.word in ("begins", "ends"):
             times = tuple(each.begin_s if inner.word == "begins" else each.end_s for each in likely)
-            right = (found.is_so == is_likely[:, None]).all(axis=0).mean()
+            right = (events.is_so == is_likely[:, None]).all(axis=0).mean()
             return Times(of=expression, times_s=times, probability=float(right), edit=placed.view,
                          shown=tuple(shown(placed, each) for each in likely))  # fmt: skip
         ends = [(np.asarray(each.begin_s), np.asarray(each.end_s)) for each in likely]
@@ -345,8 +341,8 @@ def _remark(expression: Expression, context: Context) -> Value:
     inner, placed = _placed(expression, context)
     word = inner.word
     if word in ("sure-of", "why-of"):
-        found = _truth(inner.arguments[0], placed)
-        return replace(found, of=expression)
+        value = _truth(inner.arguments[0], placed)
+        return replace(value, of=expression)
     if word == "alternatives":
         return replace(_label(of("choose", _possible(placed)), placed), of=expression)
     if word in ("sure", "sure-amount", "why"):

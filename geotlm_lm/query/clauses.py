@@ -90,19 +90,19 @@ class Around:
     sentences: list[tuple[str, str, str]] = field(default_factory=list)
     facts: list[str] = field(default_factory=list)
 
-    def add(self, rng: random.Random, kind: str, place: str, said: str, meant: str) -> None:
+    def add(self, rng: random.Random, kind: str, place: str, text: str, meant: str) -> None:
         """Put a clause in its place and what it means where it belongs."""
         fact = f"fact {meant}" if kind == "fact" else ""
         if place == "alone":
-            mark = "" if said.endswith((".", "?")) else rng.choice((".", ".", ".", ";", " -"))
+            mark = "" if text.endswith((".", "?")) else rng.choice((".", ".", ".", ";", " -"))
             edit = meant if kind == "edit" else ""
-            self.sentences.append((f"{said}{mark}", fact, edit))
+            self.sentences.append((f"{text}{mark}", fact, edit))
         elif place == "alone_after":
-            self.late += f" {said}."
+            self.late += f" {text}."
         elif place == "before":
-            self.text = f"{said} {self.text}"
+            self.text = f"{text} {self.text}"
         else:
-            self.text = f"{self.text}{'' if said.startswith(',') else ' '}{said}"
+            self.text = f"{self.text}{'' if text.startswith(',') else ' '}{text}"
         if kind == "fact" and place != "alone":
             self.facts.append(fact)
         elif kind == "edit":
@@ -119,23 +119,25 @@ class Around:
         text = self.text
         if self.sentences and rng.random() < 0.6:
             text = text[:1].upper() + text[1:]
-        edit = " ".join(one for one in [*(one for *_, one in self.sentences), *self.edits] if one)
-        said = [one for one, *_ in self.sentences]
-        if len(said) > 1 and rng.random() < JOINED:
-            said[:2] = [f"{_bare(said[0])}{rng.choice(_JOINTS)}{_begun_small(said[1])}"]
+        edits = [*(edit for *_, edit in self.sentences), *self.edits]
+        edit = " ".join(filter(None, edits))
+        sentences = [part for part, *_ in self.sentences]
+        if len(sentences) > 1 and rng.random() < JOINED:
+            first, second = sentences[:2]
+            sentences[:2] = [f"{_bare(first)}{rng.choice(_JOINTS)}{_begun_small(second)}"]
         if text:
             asked = f"{text}{self.end}{self.late}"
-            if said and rng.random() < JOINED / 2:
-                asked = f"{_bare(said.pop())}{rng.choice(_LEADS)}{_begun_small(asked)}"
-            said.append(asked)
+            if sentences and rng.random() < JOINED / 2:
+                asked = f"{_bare(sentences.pop())}{rng.choice(_LEADS)}{_begun_small(asked)}"
+            sentences.append(asked)
         facts = [fact for _, fact, _ in self.sentences if fact] + self.facts
         query = _seen(self.query, edit, self.subject) if self.query else ""
-        return " ".join(said), " ; ".join([*facts, *[f"{query}{self.form}"] * bool(query)])
+        return " ".join(sentences), " ; ".join([*facts, *[f"{query}{self.form}"] * bool(query)])
 
 
 def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) -> list[Clause]:
     """Draw the clauses around a question: of a kind seldom two, and no two on the same thing."""
-    found: list[Clause] = []
+    chosen: list[Clause] = []
     wanted = [kind for kind, share in SHARES.items() if rng.random() < share]
     wanted += [kind for kind in _REPEATED if kind in wanted and rng.random() < TWICE]
     words = set(family.query.split()) & set(EDIT_WORDS)
@@ -144,16 +146,16 @@ def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) ->
             continue
         kinds = {kind, *(_forms_of(family.query) if kind == "form" else ())}
         offered = [
-            one
-            for one in clauses
-            if one.kind in kinds
-            and not words & set(one.query.split())
-            and topic_of(one) not in map(topic_of, found)
+            clause
+            for clause in clauses
+            if clause.kind in kinds
+            and not words & set(clause.query.split())
+            and topic_of(clause) not in map(topic_of, chosen)
         ]
         if offered:
-            found.append(rng.choice(offered))
-            words |= set(found[-1].query.split()) & set(EDIT_WORDS)
-    return found
+            chosen.append(rng.choice(offered))
+            words |= set(chosen[-1].query.split()) & set(EDIT_WORDS)
+    return chosen
 
 
 def _forms_of(query: str) -> tuple[str, ...]:
@@ -201,13 +203,13 @@ def may_join(family: Family, other: Family) -> bool:
 
 def listed(rng: random.Random, questions: list[str], *, is_bare: bool) -> str:
     """Return questions one after another, as a list only if nothing stands around them."""
-    if is_bare and all(len(one.split()) <= _NAMED_WORDS for one in questions):
-        names = [_bare(one) for one in questions]
+    if is_bare and all(len(question.split()) <= _NAMED_WORDS for question in questions):
+        names = [_bare(question) for question in questions]
         if rng.random() < 2 * JOINED:
             return f"{', '.join(names[:-1])}{rng.choice((', ', ' and ', ', and '))}{names[-1]}"
     marks = rng.choice(_BETWEEN if is_bare else _BETWEEN[:4])
     step = rng.choice((" ", " ", "\n"))
-    return step.join(f"{mark}{said}" for mark, said in zip(marks, questions, strict=False))
+    return step.join(f"{mark}{question}" for mark, question in zip(marks, questions, strict=False))
 
 
 def _bare(sentence: str) -> str:
@@ -225,14 +227,14 @@ _UNSEEN = ("why", "sure", "sure-amount", "alternatives", "place", "area", "file"
 
 def _seen(query: str, edit: str, subject: str) -> str:
     """Return the answers of a program seen as an edit and a subject say, behind their own views."""
-    found = []
+    parts = []
     for part in query.split(" ; "):
         words, at = part.split(), 0
         if words[0] in ("as", "fact", *_UNSEEN):
-            found.append(part)
+            parts.append(part)
             continue
         while words[at] in EDIT_WORDS:
             at += 1
         own, rest = words[:at], words[at:]
-        found.append(" ".join([*own, *edit.split(), *subject.split(), *rest]))
-    return " ; ".join(found)
+        parts.append(" ".join([*own, *edit.split(), *subject.split(), *rest]))
+    return " ; ".join(parts)

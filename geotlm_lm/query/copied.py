@@ -35,12 +35,12 @@ def copied(text: str) -> list[Copied]:
         Copied(next(group for group in match.groups() if group), *match.span())
         for match in _QUOTED.finditer(text)
     ]
-    found = {each.start: each for each in quoted}
+    words = {each.start: each for each in quoted}
     for listed in _LISTED.finditer(text):
         for word in re.finditer(r"\w+", listed[0]):
             start = listed.start() + word.start()
-            found.setdefault(start, Copied(word[0], start, start + len(word[0])))
+            words.setdefault(start, Copied(word[0], start, start + len(word[0])))
     for match in _PLAIN.finditer(text):
         if not any(each.start <= match.start() < each.end for each in quoted):
-            found.setdefault(match.start(), Copied(match[0], *match.span()))
-    return sorted(found.values(), key=lambda each: each.start)
+            words.setdefault(match.start(), Copied(match[0], *match.span()))
+    return sorted(words.values(), key=lambda each: each.start)

@@ -229,18 +229,18 @@ def evaluate(expression: Expression, context: Context) -> Any:
     return PRIMITIVES[word](context, *arguments)
 
 
-def _where(spot: Spot, found: Any) -> Any:
+def _where(spot: Spot, values: Any) -> Any:
     """Return what was evaluated in a span, lacking in the worlds that lack the span."""
     is_there = np.isfinite(spot.begin)
     if is_there.all():
-        return found
-    if isinstance(found, Numbers):
-        return found.also(np.where(is_there, found.values, np.nan))
-    if isinstance(found, Events):
-        return Events(found.happenings, found.is_so & is_there)
-    if isinstance(found, Spot):
-        return Spot(*(np.where(is_there, each, np.nan) for each in (found.begin, found.end)))
-    return np.where(is_there, found, np.nan)
+        return values
+    if isinstance(values, Numbers):
+        return values.also(np.where(is_there, values.values, np.nan))
+    if isinstance(values, Events):
+        return Events(values.happenings, values.is_so & is_there)
+    if isinstance(values, Spot):
+        return Spot(*(np.where(is_there, each, np.nan) for each in (values.begin, values.end)))
+    return np.where(is_there, values, np.nan)
 
 
 def middle(context: Context, values: Floats) -> float:
@@ -310,8 +310,8 @@ def moments(context: Context, inner: Expression):
     times = grid(context)
     for first in range(0, len(times), GRID):
         part = times[first : first + GRID]
-        found = evaluate(inner, replace(context, now=part[:, None]))
-        yield part, np.broadcast_to(np.nan_to_num(found), (len(part), COUNT)) > 0
+        holds = evaluate(inner, replace(context, now=part[:, None]))
+        yield part, np.broadcast_to(np.nan_to_num(holds), (len(part), COUNT)) > 0
 
 
 def inside(context: Context, component: Component) -> Iterator[tuple[Happening, Floats]]:

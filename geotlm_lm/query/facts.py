@@ -73,7 +73,7 @@ def with_facts(frame: FrameSpec, facts: tuple[Any, ...], columns: int) -> FrameS
 
 def _fields(frame: FrameSpec, fact: Any, columns: int) -> dict[str, Any]:
     if fact.name == "everything":
-        return {one: getattr(_PLAIN, one) for one in FrameSpec.__dataclass_fields__}
+        return vars(_PLAIN)
     if fact.name == "mirrored":
         return {"image_mirrored": not fact.denied}
     if fact.name == "turned":
@@ -90,13 +90,13 @@ def _fields(frame: FrameSpec, fact: Any, columns: int) -> dict[str, Any]:
     return {}
 
 
-def _rate_hz(said: Quantity) -> float | None:
+def _rate_hz(rate: Quantity) -> float | None:
     """Return frames per second, of a bare number too; None where the quantity is no rate."""
-    unit, _, per = said.unit.partition("/")
-    if not said.unit:
-        return said.value
+    unit, _, per = rate.unit.partition("/")
+    if not rate.unit:
+        return rate.value
     second = FACTORS["time"].get(per)
-    return said.value / second if unit == "frame" and second else None
+    return rate.value / second if unit == "frame" and second else None
 
 
 def mm_per_px(size: Quantity, pixels: int = 1) -> float | None:

@@ -28,18 +28,18 @@ def fitting(prefix: Sequence[str], quantities: Sequence[Quantity], texts: int = 
         texts: How many of its words may be copied.
     """
     allowed, open_ = begun(prefix, len(quantities), texts)
-    found = set(allowed)
+    words = set(allowed)
     if prefix and prefix[-1] == "fact":
         is_length = any(_fits(each, _FACTS["scale"]) for each in quantities)
-        return found if is_length else found - _FACTS.keys()
+        return words if is_length else words - _FACTS.keys()
     units = _FACTS.get(prefix[-1]) if prefix else None
     if units is None and open_ is not None:
         units = _wanted(*open_)
-    slots = {word for word in found if word.startswith("#")}
+    slots = {word for word in words if word.startswith("#")}
     if units is None or not slots:
-        return found
+        return words
     fit = {word for word in slots if _fits(quantities[int(word[1:]) - 1], units)}
-    return (found - slots) | (fit or slots)
+    return (words - slots) | (fit or slots)
 
 
 def _wanted(word: str, arguments: Sequence[Expression]) -> tuple[str, ...] | None:

@@ -65,8 +65,8 @@ def resumed(program: Program, before: Program) -> Program:
                 break
     is_kept = program.form == "sentence" and before.form not in STRUCTURED
     form = before.form if is_kept else program.form
-    found = replace(program, answers=tuple(dict.fromkeys(answers)), form=form)
-    return normal(found)
+    spelled = replace(program, answers=tuple(dict.fromkeys(answers)), form=form)
+    return normal(spelled)
 
 
 def _leans(expression: Expression) -> bool:

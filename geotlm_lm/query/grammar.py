@@ -98,25 +98,25 @@ class Grammar:
             *(folder / f"{name}.toml" for name in _FILES),
             *sorted(folder.glob("voices/*.toml")),
         ]
-        told = [tomllib.loads(path.read_text(encoding="utf-8")) for path in paths]
+        files = [tomllib.loads(path.read_text(encoding="utf-8")) for path in paths]
         self.words: dict[str, Any] = {}
-        for one in (tomllib.loads((folder / "lexicon.toml").read_text()), *told):
-            plain = {key: part for key, part in one.items() if isinstance(part, dict)}
+        for part_ in (tomllib.loads((folder / "lexicon.toml").read_text()), *files):
+            plain = {key: part for key, part in part_.items() if isinstance(part, dict)}
             self.words |= plain.pop("words", {})
             self.words |= plain
-            self.words |= {part["name"]: part for part in one.get("quantity", ())}
+            self.words |= {part["name"]: part for part in part_.get("quantity", ())}
         own = own_words()
         self.words |= own
-        self.families = [_family(one) for file in told for one in file.get("family", ())]
+        self.families = [_family(part_) for file in files for part_ in file.get("family", ())]
         self.families += own_families()
-        self.clauses = [_clause(one) for file in told for one in file.get("clause", ())]
+        self.clauses = [_clause(part_) for file in files for part_ in file.get("clause", ())]
         self.clauses += own_clauses(own)
         self.families += _families_of(self.clauses)
         self._check()
 
     def _check(self) -> None:
-        texts = [text for one in self.families for text in (*one.texts, one.query)]
-        texts += [text for one in self.clauses for lines in one.texts.values() for text in lines]
+        texts = [text for item in self.families for text in (*item.texts, item.query)]
+        texts += [text for item in self.clauses for lines in item.texts.values() for text in lines]
         fields = {match[1] for text in texts for match in _FIELD.finditer(text)}
         missing = fields - self.words.keys()
         if missing:
@@ -131,10 +131,10 @@ class Grammar:
         """
         rng = random.Random(f"{seed}/{split}")
         kinds: dict[str, list[Family]] = {"fact": []}
-        for one in self.families:
-            if split in (None, split_of(one.id)):
-                kinds.setdefault(kind_of(one.query), []).append(one)
-        clauses = [one for one in self.clauses if split in (None, "test") or _may(one, split)]
+        for item in self.families:
+            if split in (None, split_of(item.id)):
+                kinds.setdefault(kind_of(item.query), []).append(item)
+        clauses = [item for item in self.clauses if split in (None, "test") or _may(item, split)]
         names = sorted(kinds)
         shares = [math.sqrt(max(len(kinds[kind]), LEAST_FAMILIES)) for kind in names]
         while True:
@@ -158,7 +158,7 @@ class Grammar:
         is_complete = asked is None or head_of(asked).word in TWO_CLIPS or type_of(asked) == "talk"
         is_seen = asked is not None and type_of(asked) in _SEEN
         family = Family(pair.families[0], pair.query, (plain,), end, is_seen, is_complete)
-        clauses = [one for one in self.clauses if split_of(one.id) == "train"]
+        clauses = [clause for clause in self.clauses if split_of(clause.id) == "train"]
         return self._pair(rng, family, [], clauses) or pair
 
     def _pair(
@@ -171,9 +171,9 @@ class Grammar:
         around = Around()
         draft, used = _Draft(), []
         if family is None:
-            facts = [one for one in clauses if one.kind == "fact" and "alone" in one.texts]
+            facts = [each for each in clauses if each.kind == "fact" and "alone" in each.texts]
             chosen = rng.sample(facts, rng.choice((1, 1, 1, 2)))
-            if len({topic_of(one) for one in chosen}) < len(chosen):
+            if len({topic_of(each) for each in chosen}) < len(chosen):
                 return None
         else:
             used = [family.id]
@@ -183,18 +183,18 @@ class Grammar:
             chosen = [] if family.complete else chosen_clauses(rng, family, clauses)
         for clause in chosen:
             place = "alone" if family is None else rng.choice(sorted(clause.texts))
-            said = self._filled(rng, rng.choice(clause.texts[place]), draft)
-            around.add(rng, clause.kind, place, said, self._meant(clause.query, draft))
+            words = self._filled(rng, rng.choice(clause.texts[place]), draft)
+            around.add(rng, clause.kind, place, words, self._meant(clause.query, draft))
             used.append(clause.id)
         text, query = around.joined(rng)
-        if family and all(one.kind in _OF_ALL for one in chosen):
+        if family and all(each.kind in _OF_ALL for each in chosen):
             questions, numbers = [text], draft.numbers
             for other in others:
                 if other is None or not may_join(family, other) or rng.random() >= TWICE:
                     break
                 next_ = _Draft(numbers=numbers)
-                said = self._filled(rng, rng.choice(other.texts), next_)
-                questions, numbers = [*questions, f"{said}{other.end}"], next_.numbers
+                words = self._filled(rng, rng.choice(other.texts), next_)
+                questions, numbers = [*questions, f"{words}{other.end}"], next_.numbers
                 query, used = f"{query} ; {self._meant(other.query, next_)}", [*used, other.id]
             if len(questions) > 1:
                 text = listed(rng, questions, is_bare=not chosen)
@@ -220,22 +220,22 @@ class Grammar:
             draft.values[f"{name}{place}"] = f"{mark}{draft.numbers}"
             if words.get("copied"):
                 taken = draft.copied
-                value = rng.choice([one for one in words["values"] if one not in taken])
+                value = rng.choice([each for each in words["values"] if each not in taken])
                 draft.copied.append(value)
-                said = rng.choice(words["forms"]).replace("#", value)
-                return f"\ue000{draft.numbers}\ue001{said}\ue002"
+                form = rng.choice(words["forms"]).replace("#", value)
+                return f"\ue000{draft.numbers}\ue001{form}\ue002"
             # The second of two numbers is the larger: spans and ranges run upwards.
-            offered = [one for one in words["values"] if not place or one > draft.least]
+            offered = [each for each in words["values"] if not place or each > draft.least]
             value = rng.choice(offered or [2 * words["values"][-1]])
             draft.least = max(value, draft.least)
-            said = rng.choice(words["forms"]).replace("#", f"{value:g}")
-            return f"\ue000{draft.numbers}\ue001{said}\ue002"
+            form = rng.choice(words["forms"]).replace("#", f"{value:g}")
+            return f"\ue000{draft.numbers}\ue001{form}\ue002"
         key = f"{name}{place}"
         taken = {
             value for other, value in draft.values.items() if other.rstrip("0123456789") == name
         }
         if key not in draft.values:
-            draft.values[key] = rng.choice([one for one in words if one not in taken])
+            draft.values[key] = rng.choice([each for each in words if each not in taken])
         return rng.choice(words[draft.values[key]])
 
     def _meant(self, query: str, draft: _Draft) -> str:
@@ -304,37 +304,37 @@ def corpus(split: str) -> list[Pair]:
     Questions that begin alike and ask alike are a family.
     """
     path = training_templates() / "query" / "corpus.jsonl"
-    found = []
+    pairs = []
     for line in path.read_text(encoding="utf-8").splitlines():
-        told = json.loads(line)
-        begins = " ".join(told["text"].lower().split()[:3])
-        family = f"corpus/{kind_of(told['query'])} {begins}"
+        row = json.loads(line)
+        begins = " ".join(row["text"].lower().split()[:3])
+        family = f"corpus/{kind_of(row['query'])} {begins}"
         if split_of(family) == split:
-            found.append(Pair(told["text"], told["query"], (family,)))
-    return found
+            pairs.append(Pair(row["text"], row["query"], (family,)))
+    return pairs
 
 
 def _may(clause: Clause, split: str) -> bool:
     return split_of(clause.id) != "test" or split == "test"
 
 
-def _family(told: dict[str, Any]) -> Family:
-    texts = tuple(line for line in told["texts"].strip().splitlines() if line.strip())
-    return Family(**told | {"texts": texts})
+def _family(row: dict[str, Any]) -> Family:
+    texts = tuple(line for line in row["texts"].strip().splitlines() if line.strip())
+    return Family(**row | {"texts": texts})
 
 
-def _clause(told: dict[str, Any]) -> Clause:
-    texts = {place: tuple(told[place].strip().splitlines()) for place in _PLACES if place in told}
-    return Clause(told["id"], told["kind"], told["query"], texts, told.get("by_itself", ""))
+def _clause(row: dict[str, Any]) -> Clause:
+    texts = {place: tuple(row[place].strip().splitlines()) for place in _PLACES if place in row}
+    return Clause(row["id"], row["kind"], row["query"], texts, row.get("by_itself", ""))
 
 
 def _families_of(clauses: list[Clause]) -> Iterator[Family]:
     """Yield clauses that may stand by themselves as families, each of the split of its clause."""
     ends = {split: end for end, split in _FIXED.items()}
-    for one in clauses:
-        if one.by_itself:
-            name = f"{one.by_itself}/{one.id}.{ends[split_of(one.id)]}"
-            yield Family(name, one.by_itself, one.texts["alone"], ".", complete=True)
+    for clause in clauses:
+        if clause.by_itself:
+            name = f"{clause.by_itself}/{clause.id}.{ends[split_of(clause.id)]}"
+            yield Family(name, clause.by_itself, clause.texts["alone"], ".", complete=True)
 
 
 @lru_cache(maxsize=1)

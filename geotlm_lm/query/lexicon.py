@@ -66,7 +66,8 @@ class Lexicon:
         word = written.lower()
         if word in self._rank or not SHORTEST <= len(word) <= self._longest:
             return written
-        place = min((self._rank.get(one, self.frequent) for one in _slipped_from(word)), default=0)
+        ranks = (self._rank.get(meant, self.frequent) for meant in _slipped_from(word))
+        place = min(ranks, default=0)
         return self.words[place] if place < self.frequent else written
 
 

@@ -230,8 +230,8 @@ def _limit(context: Context, atom: str) -> Numbers:
         raise Untold("contact")
     mean = belief.at_limit.mean
     twist = np.array([mean.turn_deg, mean.right_px, 0.0, mean.inward_mm])
-    found = measured(context, component.value, np.tile(twist, (COUNT, 1)))
-    return found.also(np.abs(found.values))
+    numbers = measured(context, component.value, np.tile(twist, (COUNT, 1)))
+    return numbers.also(np.abs(numbers.values))
 
 
 def duration(context: Context, clock_s: Floats) -> Numbers:
@@ -253,10 +253,10 @@ def _length(context: Context, span: Expression) -> Numbers:
 def _lasts(context: Context, events: Expression) -> Numbers:
     """Return for how long some events go on, all together; what overlaps counts once."""
     context.timed()
-    found = evaluate(events, context)
+    lasting = evaluate(events, context)
     total, until = np.zeros(COUNT), np.full(COUNT, -math.inf)
     begin, end = context.span
-    for happening, is_so in zip(found.happenings, found.is_so, strict=True):
+    for happening, is_so in zip(lasting.happenings, lasting.is_so, strict=True):
         first = np.maximum(np.maximum(happening.begin_s, begin), until)
         last = np.minimum(happening.end_s, end)
         total = total + np.where(is_so, np.maximum(last - first, 0.0), 0.0)
@@ -270,16 +270,16 @@ def _time_while(context: Context, inner: Expression) -> Numbers:
     weights = np.gradient(times) if len(times) > 1 else np.zeros(1)
     weights[[0, -1]] /= 2
     total, at = np.zeros(COUNT), 0
-    for part, found in moments(context, inner):
-        total = total + weights[at : at + len(part)] @ found
+    for part, holds in moments(context, inner):
+        total = total + weights[at : at + len(part)] @ holds
         at += len(part)
     return duration(context, total)
 
 
 def _share(context: Context, inner: Expression) -> Numbers:
     length = length_of(Spot(*context.span))
-    found = _time_while(context, inner).values / np.maximum(length, 1e-9)
-    return Numbers(100 * np.minimum(found, 1.0), "percent", 2.0)
+    share = _time_while(context, inner).values / np.maximum(length, 1e-9)
+    return Numbers(100 * np.minimum(share, 1.0), "percent", 2.0)
 
 
 def _count(context: Context, events: Expression) -> Numbers:
@@ -372,24 +372,24 @@ def _extreme(choose: Callable[[Floats, Floats], Floats]):
 
 
 def _mapped(context: Context, change: Callable[[Floats], Floats], inner: Expression) -> Numbers:
-    found = evaluate(inner, context)
-    return found.also(change(found.values))
+    numbers = evaluate(inner, context)
+    return numbers.also(change(numbers.values))
 
 
 def _in_unit(context: Context, unit: str, inner: Expression) -> Numbers:
     kind = next(kind for kind, units in p.UNITS.items() if unit in units)
     length = {"angle": "deg", "length": "px" if unit == "px" else "mm"}.get(kind, context.length)
-    found = evaluate(inner, replace(context, length=length))
-    _, _, per = found.unit.partition("/")
-    return converted(context, found, f"{unit}/{per}" if per else unit)
+    numbers = evaluate(inner, replace(context, length=length))
+    _, _, per = numbers.unit.partition("/")
+    return converted(context, numbers, f"{unit}/{per}" if per else unit)
 
 
 def _per(context: Context, per: str, inner: Expression) -> Numbers:
-    found = evaluate(inner, context)
-    top, _, clock = found.unit.partition("/")
+    numbers = evaluate(inner, context)
+    top, _, clock = numbers.unit.partition("/")
     if not clock:
         raise Untold("unit")
-    return converted(context, found, f"{top}/{per.removeprefix('per-')}")
+    return converted(context, numbers, f"{top}/{per.removeprefix('per-')}")
 
 
 PRIMITIVES |= {

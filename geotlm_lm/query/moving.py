@@ -1,6 +1,7 @@
 """What moves in a span: each component as it is told, what does not, and what happens when.
 
-Told is what holds in most worlds; its probability is the share of worlds in which all of it does.
+A value is what holds in most worlds; its probability is the share of worlds in which all of it is
+so.
 """
 
 from __future__ import annotations
@@ -55,13 +56,13 @@ def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tupl
         counts, often = np.unique(values[known], return_counts=True)
         middle = counts[often.argmax()]
     deviation = float(high - low) / (2 * SPAN_DEVIATIONS)
-    told = Measure(numbers.atom or "", float(middle), deviation, numbers.unit, numbers.tolerance)
+    amount = Measure(numbers.atom or "", float(middle), deviation, numbers.unit, numbers.tolerance)
     far = np.maximum(numbers.tolerance, RELATIVE_TOLERANCE * np.abs(values)) * bool(numbers.unit)
     far = np.where(numbers.unit == "" and numbers.tolerance > 0, numbers.tolerance, far)
     if numbers.unit in UNITS["time"]:  # as exact as frames are
-        told = replace(told, decimals=_decimals(numbers.unit, context))
-    right = known & (np.abs(values - told.value) <= far + 1e-9)
-    return told, float(right.mean())
+        amount = replace(amount, decimals=_decimals(numbers.unit, context))
+    right = known & (np.abs(values - amount.value) <= far + 1e-9)
+    return amount, float(right.mean())
 
 
 def _decimals(unit: str, context: Context) -> int:
@@ -88,8 +89,8 @@ def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
     if touching.mean() < 0.5:
         return Moved(of=of("way", "all"), rest=Motion.NONE, denied=asked, edit=edit,
                      probability=1 - float(touching.mean()))  # fmt: skip
-    found = {each: _movement(context, each) for each in COMPONENTS}
-    moving = {each: part for each, part in found.items() if part is not None}
+    parts = {each: _movement(context, each) for each in COMPONENTS}
+    moving = {each: part for each, part in parts.items() if part is not None}
     main = [each for each, (move, _) in moving.items() if not move.barely] or list(moving)
     named = [each for each in moving if each in asked] or main
     named.sort(key=lambda each: -_path_px(context, each))
@@ -206,25 +207,25 @@ def _limits(context: Context, denied: tuple[Component, ...], *, is_at_rest: bool
         path = max(belief.limits[part] for part in both)
         seen = replace(seen, mean=replace(seen.mean, right_px=path))
         parts.append(slide)
-    found = []
+    limits = []
     for part in parts:
         is_scaled = part is slide and context.frame.mm_per_px is not None
         units = ("px", "mm") if is_scaled else (None,)
-        found.append((part, tuple(
+        limits.append((part, tuple(
             measure(part.value, seen, context.frame, recording, unit) for unit in units
         )))  # fmt: skip
-    return tuple(found)
+    return tuple(limits)
 
 
 def moved_along(context: Context, axis: str) -> Moved:
     """Return what is told of a slide's part along one axis of the image."""
-    found = moved(context, (Component.SLIDE,))
-    if found.rest or found.denied:
-        return found
+    slide = moved(context, (Component.SLIDE,))
+    if slide.rest or slide.denied:
+        return slide
     moving = np.broadcast_to(trait(context, axis), (COUNT,)) > 0
     if moving.mean() < 0.5:
-        right = min(found.probability, 1 - float(moving.mean()))
-        return replace(found, still_axis=axis, probability=right)
+        right = min(slide.probability, 1 - float(moving.mean()))
+        return replace(slide, still_axis=axis, probability=right)
     twist = np.broadcast_to(net(context, Component.SLIDE)[0], (COUNT, 4))
     ways = {"x": (Motion.LEFT, Motion.RIGHT), "y": (Motion.UP, Motion.DOWN)}[axis]
     goes = {way: (twist @ _axis(way) > 0) & moving for way in ways}
@@ -232,7 +233,7 @@ def moved_along(context: Context, axis: str) -> Moved:
     amount, _ = spread(measured(context, axis, twist), moving, context)
     right = float(goes[way].mean())
     move = Movement(way, None, amount, right, barely=False)
-    return replace(found, movements=(move,), probability=right)
+    return replace(slide, movements=(move,), probability=right)
 
 
 def moved_on_thread(context: Context) -> Moved:
@@ -253,10 +254,12 @@ def moved_on_thread(context: Context) -> Moved:
 
 def shown_in(context: Context, at_s: float | None = None) -> tuple[Shown, ...]:
     """Return what an answer has looked at of what likely happens; of a moment what goes on."""
-    found = context.trace.happenings.values() if context.worlds.is_timed else ()
+    happenings = context.trace.happenings.values() if context.worlds.is_timed else ()
     if at_s is not None:
-        found = [each for each in found if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9]
-    return tuple(shown(context, each) for each in sorted(found, key=lambda each: each.begin_s)
+        happenings = [
+            each for each in happenings if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9
+        ]
+    return tuple(shown(context, each) for each in sorted(happenings, key=lambda each: each.begin_s)
                  if each.probability >= 0.5)  # fmt: skip
 
 

@@ -29,45 +29,45 @@ _MARKS = ".?! "
 def own_words() -> dict[str, Any]:
     """Return the word lists that own wordings are filled from, named "own-..."."""
     templates = load_templates()
-    found: dict[str, Any] = {
+    lists: dict[str, Any] = {
         f"own-{name}": [_renamed(word) for word in words] for name, words in templates.words.items()
     }
     for form in FORMS:
-        found[f"own-{form}"] = {
+        lists[f"own-{form}"] = {
             ATOM_OF.get(motion.value, motion.value): [_renamed(text) for text in forms[form]]
             for motion, forms in templates.phrases.items()
         }
     rest = ("still", "none")
-    found["own-directed"] = {key: x for key, x in found["own-doing"].items() if key not in rest}
-    return found
+    lists["own-directed"] = {key: x for key, x in lists["own-doing"].items() if key not in rest}
+    return lists
 
 
 def own_clauses(words: dict[str, Any]) -> list[Clause]:
     """Return what the product's own questions have before and behind them."""
     behind = [word.strip() for word in words["own-closer"]]
-    said = {
+    texts = {
         "before": tuple(word.strip() for word in words["own-opener"]),
         "after": tuple(word for word in behind if not word.endswith(".")),
         "alone_after": tuple(word[:-1] for word in behind if word.endswith(".")),
     }
-    return [Clause("noise/own-openers-and-closers", "noise", "", said)]
+    return [Clause("noise/own-openers-and-closers", "noise", "", texts)]
 
 
 def own_families() -> list[Family]:
     """Return a family of every wording, and of every form that it offers a motion in."""
     path = training_templates() / "query" / "own.toml"
     meant = tomllib.loads(path.read_text(encoding="utf-8"))
-    found = []
+    families = []
     for kind in load_templates().types.values():
         meanings = meant.get(kind.id, {})
         for wording in kind.wordings:
             query = meanings.get("of", {}).get(wording.id, meanings.get("query", ""))
             if query:
-                found += _families(kind.id, wording, query)
-    for one in meant["also"]:
-        texts = tuple(one["texts"].strip().splitlines())
-        found.append(Family(f"{one['id']}.train", one["query"], texts))
-    return found
+                families += _families(kind.id, wording, query)
+    for row in meant["also"]:
+        texts = tuple(row["texts"].strip().splitlines())
+        families.append(Family(f"{row['id']}.train", row["query"], texts))
+    return families
 
 
 def _families(type_id: str, wording: Wording, query: str) -> Iterator[Family]:
@@ -82,10 +82,10 @@ def _families(type_id: str, wording: Wording, query: str) -> Iterator[Family]:
             yield Family(f"{name}-{count}.{split}", offered, texts, end)
     elif "{motion}" in query:
         for form in FORMS:
-            texts = tuple(_renamed(one) for one in _of_form(text, form))
-            said = query.replace("{motion}", f"{{own-{form}}}")
+            texts = tuple(_renamed(each) for each in _of_form(text, form))
+            meant = query.replace("{motion}", f"{{own-{form}}}")
             if texts:
-                yield Family(f"{name}-{form}.{split}", said, texts, end)
+                yield Family(f"{name}-{form}.{split}", meant, texts, end)
     else:
         yield Family(f"{name}.{split}", query, (_renamed(text),), end)
 
@@ -101,19 +101,20 @@ def _with_options(text: str, count: int) -> tuple[tuple[str, ...], str]:
         )
         for style, separator in product(OPTION_STYLES, SEPARATORS)
     ]
-    texts = tuple(_renamed(text.replace("{options}", "\0")).replace("\0", one) for one in lists)
+    renamed = _renamed(text.replace("{options}", "\0"))
+    texts = tuple(renamed.replace("\0", listed) for listed in lists)
     return texts, " | ".join(f"{letter} {phrase}" for letter, phrase in labelled)
 
 
 def _of_form(text: str, form: str) -> list[str]:
     """Return a wording's variants that have a motion in one form, its other choices left open."""
-    others = [f"{{{one}}}" for one in FORMS if one != form]
+    others = [f"{{{each}}}" for each in FORMS if each != form]
     for match in _CHOICE.finditer(text):
-        if any(f"{{{one}}}" in match[1] for one in FORMS):
+        if any(f"{{{each}}}" in match[1] for each in FORMS):
             before, after = text[: match.start()], text[match.end() :]
             chosen = [f"{before}{part}{after}" for part in match[1].split("|")]
-            return [one for part in chosen for one in _of_form(part, form)]
-    return [text] if f"{{{form}}}" in text and not any(one in text for one in others) else []
+            return [each for part in chosen for each in _of_form(part, form)]
+    return [text] if f"{{{form}}}" in text and not any(each in text for each in others) else []
 
 
 def _renamed(text: str) -> str:

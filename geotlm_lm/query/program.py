@@ -56,6 +56,9 @@ COUNTS = tuple(map(str, range(13)))
 HALVES = ("upper", "lower", "left-half", "right-half")
 LABELS = (*"ABCDEF", *"123456", "-1", "0")
 
+GOING = ("amount", "path", "peak", "speed", "top-speed")
+"""How far, or how fast, something goes."""
+
 TWO_CLIPS = (
     *("same", "opposite", "mirrored", "more", "less", "as-far", "both", "either", "neither"),
     *("only-one", "which-clip", "which-more", "which-less", "each-clip"),
@@ -91,7 +94,7 @@ _PLAIN = {
     "number": {
         **{count: () for count in COUNTS},
         "pi": (),
-        **{how: ("of",) for how in ("amount", "path", "peak", "speed", "top-speed", "limit")},
+        **{how: ("of",) for how in (*GOING, "limit")},
         "length": ("span",),
         "lasts": ("events",),
         "time-while": ("bool",),
@@ -189,17 +192,17 @@ _ANSWERS = ("bool", "number", "time", "event", "way", "label", "record", "talk")
 
 def _accepted() -> dict[str, dict[str, tuple[str, ...]]]:
     """Return the words that each type may begin with, and what each takes."""
-    found = {name: {word: () for word in words} for name, words in _NAMES.items()}
-    found |= {name: dict(words) for name, words in _PLAIN.items()}
-    found["span"] |= found["event"]
-    found["answer"] = {word: takes for name in _ANSWERS for word, takes in found[name].items()}
-    for name, words in found.items():
+    accepted = {name: {word: () for word in words} for name, words in _NAMES.items()}
+    accepted |= {name: dict(words) for name, words in _PLAIN.items()}
+    accepted["span"] |= accepted["event"]
+    accepted["answer"] = {word: takes for name in _ANSWERS for word, takes in _PLAIN[name].items()}
+    for name, words in accepted.items():
         if name in (*_PLAIN, "answer"):
             words |= {
-                word: tuple(name if one == "*" else one for one in takes)
+                word: tuple(name if each == "*" else each for each in takes)
                 for word, takes in _WRAPPERS.items()
             }
-    return found
+    return accepted
 
 
 ACCEPTED = _accepted()
@@ -384,12 +387,12 @@ def _read(words: Words, texts: int) -> Program:
 
 def _read_value(words: Words, wanted: str, texts: int) -> Argument:
     if wanted in ("cases", "fields"):
-        reader, found = {"cases": _read_case, "fields": _read_field}[wanted], []
-        while not found or words.optional(BETWEEN[wanted]) is not None:
-            found.append(reader(words, texts))
+        reader, items = {"cases": _read_case, "fields": _read_field}[wanted], []
+        while not items or words.optional(BETWEEN[wanted]) is not None:
+            items.append(reader(words, texts))
         if wanted == "fields":
             words.take(END_OF_FIELDS)
-        return tuple(found)
+        return tuple(items)
     accepted = ACCEPTED[wanted]
     is_number = wanted in ("number", "answer")
     if is_number and (words.has(*_slots(words)) or ":" in words.next):
@@ -463,6 +466,13 @@ def asks_of_two(expression: Expression) -> bool:
     """Tell whether something is asked of two clips together."""
     words = {each.word for each in expression}
     return bool(words & set(TWO_CLIPS)) or {"of-first", "of-second"} <= words
+
+
+def measure_of(number: Expression) -> Expression:
+    """Return what a number measures, without the unit and the rounding around it."""
+    while number.word in ("unit", "per", "round", "abs"):
+        number = number.arguments[-1]
+    return number
 
 
 def filled(value: Any, quantities: Sequence[Quantity], texts: Sequence[str] = ()) -> Any:

@@ -43,7 +43,7 @@ _ORDINAL = re.compile(r"(?:st|nd|rd|th)\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
-class Found:
+class Stated:
     """A quantity of a text and where it stands there."""
 
     quantity: Quantity
@@ -58,17 +58,17 @@ def _told() -> dict[str, Any]:
 
 @lru_cache(maxsize=1)
 def _lexicon() -> tuple[dict[str, str], dict[str, float], dict[str, float]]:
-    told = _told()
-    units = {word: unit for unit, words in told["units"].items() for word in words}
-    return units, told["numbers"], told["fractions"]
+    units_file = _told()
+    units = {word: unit for unit, words in units_file["units"].items() for word in words}
+    return units, units_file["numbers"], units_file["fractions"]
 
 
 def quantities(text: str) -> tuple[Quantity, ...]:
     """Return the quantities of a text in the order they stand in."""
-    return tuple(one.quantity for one in find(text))
+    return tuple(each.quantity for each in find(text))
 
 
-def find(text: str) -> list[Found]:
+def find(text: str) -> list[Stated]:
     """Return the quantities of a text with their places.
 
     A figure counts whatever follows it, but for ordinals and names such as "B2"; a number in words
@@ -76,7 +76,7 @@ def find(text: str) -> list[Found]:
     ("four times"). Pixels that are said to equal a length are one quantity, a scale ("20 px equal
     one millimetre").
     """
-    found: list[Found] = []
+    stated: list[Stated] = []
     at = 0
     while at < len(text):
         one = _pi_at(text, at) or _figure_at(text, at) or _words_at(text, at)
@@ -84,21 +84,21 @@ def find(text: str) -> list[Found]:
             step = _WORD.match(text, at) if text[at].isalpha() else None
             at = step.end() if step else at + 1
             continue
-        scale = _scale(found[-1], one, text) if found else None
-        found[-1 if scale else len(found) :] = [scale or one]
+        scale = _scale(stated[-1], one, text) if stated else None
+        stated[-1 if scale else len(stated) :] = [scale or one]
         at = one.end
-    return found
+    return stated
 
 
-def _pi_at(text: str, at: int) -> Found | None:
+def _pi_at(text: str, at: int) -> Stated | None:
     match = _PI.match(text, at)
     if match is None or (at > 0 and (text[at - 1].isalnum() or text[at - 1] in "._")):
         return None
     times, over = (float(part) if part else 1.0 for part in match.groups())
-    return Found(Quantity(math.pi * times / over, "rad"), at, match.end()) if over else None
+    return Stated(Quantity(math.pi * times / over, "rad"), at, match.end()) if over else None
 
 
-def _scale(one: Found, other: Found, text: str) -> Found | None:
+def _scale(one: Stated, other: Stated, text: str) -> Stated | None:
     """Return the scale that two quantities are; None where they are no pixels that equal a length.
 
     Of "one pixel is 0.06 mm" the length alone says it: it stays a quantity of its own.
@@ -113,33 +113,33 @@ def _scale(one: Found, other: Found, text: str) -> Found | None:
     if pixels.unit != "px" or length.unit not in FACTORS["length"] or not length.value:
         return None
     value = _bounded(pixels.value / length.value)
-    return Found(Quantity(value, f"px/{length.unit}"), one.start, other.end)
+    return Stated(Quantity(value, f"px/{length.unit}"), one.start, other.end)
 
 
-def _figure_at(text: str, at: int) -> Found | None:
+def _figure_at(text: str, at: int) -> Stated | None:
     is_inside = at > 0 and (text[at - 1].isalnum() or text[at - 1] == ".")
     if is_inside and text[at - 2 : at] != "..":  # "2..4.5" are two
         return None
     if clock := _CLOCK.match(text, at):
-        return Found(Quantity(60 * int(clock[1]) + float(clock[2]), "s"), at, clock.end())
+        return Stated(Quantity(60 * int(clock[1]) + float(clock[2]), "s"), at, clock.end())
     match = _FIGURE.match(text, at)
     if match is None:
         return None
     if _ORDINAL.match(text, match.end()):
         return None
-    said = match[0]
-    if said[0] in "-+−" and at > 0 and not text[at - 1].isspace() and text[at - 1] not in "(=<>:":
+    figure = match[0]
+    if figure[0] in "-+−" and at > 0 and not text[at - 1].isspace() and text[at - 1] not in "(=<>:":
         return None  # a range's dash; its number is found behind it
-    value = _value(said)
+    value = _value(figure)
     if value is None:
         return None
     end = match.end()
     mixed = re.compile(r"\s+(\d+)\s*/\s*(\d+)").match(text, end)
-    part = _value(f"{mixed[1]}/{mixed[2]}") if mixed and "/" not in said else None
+    part = _value(f"{mixed[1]}/{mixed[2]}") if mixed and "/" not in figure else None
     if part is not None:
         value, end = value + part, mixed.end()
-    unit, end = _unit_at(text, end, may_join="/" in said or abs(value) < 1)
-    return Found(Quantity(value, unit or "frame" * _follows_frame(text, at)), at, end)
+    unit, end = _unit_at(text, end, may_join="/" in figure or abs(value) < 1)
+    return Stated(Quantity(value, unit or "frame" * _follows_frame(text, at)), at, end)
 
 
 def _follows_frame(text: str, at: int) -> bool:
@@ -148,9 +148,9 @@ def _follows_frame(text: str, at: int) -> bool:
     return before is not None and _lexicon()[0].get(before[1].lower()) == "frame"
 
 
-def _value(said: str) -> float | None:
-    said = said.replace("−", "-").replace(" ", "")
-    top, _, bottom = said.partition("/")
+def _value(figure: str) -> float | None:
+    figure = figure.replace("−", "-").replace(" ", "")
+    top, _, bottom = figure.partition("/")
     if re.fullmatch(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+", top):
         top = top.replace(",", "")
     try:
@@ -164,7 +164,7 @@ def _bounded(value: float) -> float:
     return min(max(value, -LARGEST), LARGEST)
 
 
-def _words_at(text: str, at: int) -> Found | None:
+def _words_at(text: str, at: int) -> Stated | None:
     if not text[at].isalpha() or (at > 0 and (text[at - 1].isalnum() or text[at - 1] in "'’")):
         return None
     value, end = _spoken(text, at)
@@ -172,21 +172,21 @@ def _words_at(text: str, at: int) -> Found | None:
         return None
     unit, last = _unit_at(text, end, may_join=True)
     if unit:
-        return Found(Quantity(value, unit), at, last)
+        return Stated(Quantity(value, unit), at, last)
     if _follows_frame(text, at):
-        return Found(Quantity(value, "frame"), at, end)
+        return Stated(Quantity(value, "frame"), at, end)
     if value < 2:
         return None
     joint, after = _next_word(text, end)
     if joint in _told()["counted"]["words"]:
-        return Found(Quantity(value, ""), at, end)
+        return Stated(Quantity(value, ""), at, end)
     if joint in ("to", "and", "or"):
         figure = _figure_at(text, _SPACES.match(text, after).end())
         other, stop = _spoken(text, after)
         is_counted = _next_word(text, stop)[0] in _told()["counted"]["words"]
         has_unit = is_counted or bool(_unit_at(text, stop)[0])
         if (figure and figure.quantity.unit) or (other is not None and has_unit):
-            return Found(Quantity(value, ""), at, end)
+            return Stated(Quantity(value, ""), at, end)
     return None
 
 
@@ -235,12 +235,12 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
 
 def _digits(text: str, at: int) -> tuple[str, int]:
     """Return spoken digits from a place on, "oh six" as "06", and where they end."""
-    numbers, found = _lexicon()[1], ""
+    numbers, digits = _lexicon()[1], ""
     word, after = _next_word(text, at)
     while word == "oh" or (word in numbers and word != "a" and numbers[word] < 10):
-        found, at = found + ("0" if word == "oh" else f"{numbers[word]:g}"), after
+        digits, at = digits + ("0" if word == "oh" else f"{numbers[word]:g}"), after
         word, after = _next_word(text, at)
-    return found, at
+    return digits, at
 
 
 def _next_word(text: str, at: int) -> tuple[str | None, int]:
@@ -259,8 +259,8 @@ def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
                 place = after if word == expected else -1
                 if place < 0:
                     break
-            if place >= 0 and (told := _plain_unit(text, place))[0]:
-                return told
+            if place >= 0 and (unit_ := _plain_unit(text, place))[0]:
+                return unit_
     unit, end = _plain_unit(text, at)
     if not unit:
         return "", at
@@ -279,16 +279,16 @@ def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
 
 def _plain_unit(text: str, at: int) -> tuple[str, int]:
     units = _lexicon()[0]
-    place, said, best = at, "", ("", at)
+    place, words, best = at, "", ("", at)
     if text[at : at + 1] == "-" and text[at + 1 : at + 2].isalpha():  # "a 90-degree turn"
         place = at + 1
     for _ in range(3):
         word, place = _next_word(text, place)
         if word is None:
             break
-        said = f"{said} {word}".strip()
-        if said in units:
-            best = (units[said], place)
+        words = f"{words} {word}".strip()
+        if words in units:
+            best = (units[words], place)
     return best
 
 

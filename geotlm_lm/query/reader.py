@@ -125,21 +125,21 @@ class Reader:
                 f"The question has {len(text)} characters, expected at most about {fitting} of "
                 f"this kind; shorten it."
             )
-        numbers = tuple(one.quantity for one in spelled.found)
+        numbers = tuple(quantity.quantity for quantity in spelled.quantities)
         cache = self._decoder.started(len(spelled.ids) + MOST_WORDS)
         embedded = self._decoder.embeddings[spelled.ids]
         hidden = self._decoder.read(embedded, cache, both_ways=True)[-1]
         begun = _Begun(hidden, cache, cache.length)
         texts = tuple(each.text for each in spelled.copied)
         words, chance, others = self._written(begun, [], numbers, len(texts))
-        found = [(words, chance)]
+        lines = [(words, chance)]
         if self.calibrated(chance) < sure:
-            for beginning, share in sorted(others, key=lambda one: -one[1])[: most - 1]:
+            for beginning, share in sorted(others, key=lambda quantity: -quantity[1])[: most - 1]:
                 rest, other, _ = self._written(begun, beginning, numbers, len(texts))
-                found.append((rest, min(other, share)))
+                lines.append((rest, min(other, share)))
         readings = [
             Reading(" ".join(words), numbers, texts, self.calibrated(chance), chance)
-            for words, chance in found
+            for words, chance in lines
         ]
         return sorted(readings, key=lambda reading: -reading.chance)
 
@@ -168,16 +168,16 @@ class Reader:
         while len(words) < MOST_WORDS:
             allowed = sorted(fitting(words, numbers, texts) & self.spelling.id_of.keys())
             ids = [self.spelling.id_of[word] for word in allowed]
-            told = log_softmax(self._decoder.logits(hidden))[ids]
-            order = (-told).argsort(kind="stable")
+            scores = log_softmax(self._decoder.logits(hidden))[ids]
+            order = (-scores).argsort(kind="stable")
             best = int(order[0])
             if len(words) < len(beginning):
                 best = allowed.index(beginning[len(words)])
-            elif len(order) > 1 and told[order[1]] - told[best] > math.log(DOUBTFUL):
+            elif len(order) > 1 and scores[order[1]] - scores[best] > math.log(DOUBTFUL):
                 other = [*words, allowed[order[1]]]
                 if other[-1] != END:
-                    others.append((other, math.exp(log_chance + float(told[order[1]]))))
-            log_chance += float(told[best])
+                    others.append((other, math.exp(log_chance + float(scores[order[1]]))))
+            log_chance += float(scores[best])
             if allowed[best] == END:
                 return words, math.exp(log_chance), others
             words.append(allowed[best])

@@ -66,8 +66,8 @@ def duration(context: Context, inner: Expression, whole: Floats) -> Floats:
 def _edge(name: str):
     def edge(context: Context, span: Expression) -> Floats:
         context.timed()
-        found = getattr(evaluate(span, context), name)
-        return np.broadcast_to(found, (COUNT,))
+        times = getattr(evaluate(span, context), name)
+        return np.broadcast_to(times, (COUNT,))
 
     return edge
 
@@ -81,13 +81,13 @@ def _shifted(sign: int):
 
 
 def _first_time(context: Context, inner: Expression, *, is_last: bool = False) -> Floats:
-    found = np.full(COUNT, np.nan)
+    first = np.full(COUNT, np.nan)
     for times, is_so in moments(context, inner):
         place = len(times) - 1 - is_so[::-1].argmax(axis=0) if is_last else is_so.argmax(axis=0)
-        is_new = is_so.any(axis=0) & (is_last | np.isnan(found))
-        found = np.where(is_new, times[place], found)
+        is_new = is_so.any(axis=0) & (is_last | np.isnan(first))
+        first = np.where(is_new, times[place], first)
     context.trace.reason = "never"
-    return found
+    return first
 
 
 # Numbers
@@ -163,17 +163,17 @@ def events(context: Context, kind: str) -> Events:
     worlds = context.timed()
     if kind in ("touch", "none", "in", "out", "press") and not worlds.belief.is_contact_known:
         raise Untold("contact")
-    found, masks = [], []
+    happenings, masks = [], []
     begin, end = context.span
     for happening, is_so in _of_kind(worlds, kind):
         is_inside = (np.asarray(end) >= happening.begin_s) & (np.asarray(begin) <= happening.end_s)
         if happening.begin_s < happening.end_s:  # an instant's overlap is none
             overlap = np.minimum(end, happening.end_s) - np.maximum(begin, happening.begin_s)
             is_inside = is_inside & (overlap > 1e-9)
-        found.append(happening)
+        happenings.append(happening)
         masks.append(np.broadcast_to(is_so & is_inside, (COUNT,)))
         context.trace.happenings[id(happening)] = happening
-    return Events(tuple(found), np.array(masks, dtype=bool).reshape(len(masks), COUNT))
+    return Events(tuple(happenings), np.array(masks, dtype=bool).reshape(len(masks), COUNT))
 
 
 def _events(kind: str):
@@ -253,36 +253,36 @@ def _pauses(worlds: Worlds) -> list[Happening]:
 
 
 def _such(context: Context, condition: Expression, inner: Expression) -> Events:
-    found = evaluate(inner, context)
-    if not found.happenings:
-        return found
+    events = evaluate(inner, context)
+    if not events.happenings:
+        return events
     masks = []
-    for happening, is_so in zip(found.happenings, found.is_so, strict=True):
+    for happening, is_so in zip(events.happenings, events.is_so, strict=True):
         ends = np.asarray(happening.begin_s), np.asarray(happening.end_s)
         holds = evaluate(condition, context.within(*ends))
         masks.append(is_so & (np.nan_to_num(holds) > 0))
-    return Events(found.happenings, np.array(masks))
+    return Events(events.happenings, np.array(masks))
 
 
-def _picked(context: Context, found: Events, place: NDArray[np.int64]) -> Spot:
+def _picked(context: Context, events: Events, place: NDArray[np.int64]) -> Spot:
     """Return one of some events in each world; none where `place` is negative."""
-    if not found.happenings:
+    if not events.happenings:
         context.trace.reason = "none-such"
         nowhere = np.full(COUNT, np.nan)
         return Spot(nowhere, nowhere)
-    ends = np.array([(each.begin_s, each.end_s) for each in found.happenings])
+    ends = np.array([(each.begin_s, each.end_s) for each in events.happenings])
     spans = np.where((place >= 0)[:, None], ends[np.maximum(place, 0)], np.nan)
     if (place < 0).any():
         context.trace.reason = "none-such"
     return Spot(spans[:, 0], spans[:, 1])
 
 
-def _nth(context: Context, found: Events, count: Floats) -> Spot:
-    if not found.happenings:
-        return _picked(context, found, np.full(COUNT, -1))
-    order = np.cumsum(found.is_so, axis=0)
-    is_it = found.is_so & (order == count)
-    return _picked(context, found, np.where(is_it.any(axis=0), is_it.argmax(axis=0), -1))
+def _nth(context: Context, events: Events, count: Floats) -> Spot:
+    if not events.happenings:
+        return _picked(context, events, np.full(COUNT, -1))
+    order = np.cumsum(events.is_so, axis=0)
+    is_it = events.is_so & (order == count)
+    return _picked(context, events, np.where(is_it.any(axis=0), is_it.argmax(axis=0), -1))
 
 
 def _first(context: Context, inner: Expression) -> Spot:
@@ -290,8 +290,8 @@ def _first(context: Context, inner: Expression) -> Spot:
 
 
 def _last(context: Context, inner: Expression) -> Spot:
-    found = evaluate(inner, context)
-    return _nth(context, found, found.is_so.sum(axis=0).astype(float))
+    events = evaluate(inner, context)
+    return _nth(context, events, events.is_so.sum(axis=0).astype(float))
 
 
 def _of_number(context: Context, k: Expression, inner: Expression) -> Spot:
@@ -310,25 +310,25 @@ def _most(size: Callable[[Happening], Floats], *, least: bool = False):
     sign = -1.0 if least else 1.0
 
     def most(context: Context, inner: Expression) -> Spot:
-        found = evaluate(inner, context)
-        if not found.happenings:
-            return _picked(context, found, np.full(COUNT, -1))
-        sizes = np.array([np.broadcast_to(size(each), (COUNT,)) for each in found.happenings])
-        sizes = np.where(found.is_so, sign * sizes, -np.inf)
+        events = evaluate(inner, context)
+        if not events.happenings:
+            return _picked(context, events, np.full(COUNT, -1))
+        sizes = np.array([np.broadcast_to(size(each), (COUNT,)) for each in events.happenings])
+        sizes = np.where(events.is_so, sign * sizes, -np.inf)
         is_any = np.isfinite(sizes.max(axis=0))
-        return _picked(context, found, np.where(is_any, sizes.argmax(axis=0), -1))
+        return _picked(context, events, np.where(is_any, sizes.argmax(axis=0), -1))
 
     return most
 
 
 def _beside(context: Context, inner: Expression, others: Expression, *, is_next: bool) -> Spot:
-    spot, found = evaluate(inner, context), evaluate(others, context)
-    if not found.happenings:
-        return _picked(context, found, np.full(COUNT, -1))
-    begins = np.array([each.begin_s for each in found.happenings])[:, None]
-    is_it = found.is_so & (begins > spot.begin if is_next else begins < spot.begin)
+    spot, events = evaluate(inner, context), evaluate(others, context)
+    if not events.happenings:
+        return _picked(context, events, np.full(COUNT, -1))
+    begins = np.array([each.begin_s for each in events.happenings])[:, None]
+    is_it = events.is_so & (begins > spot.begin if is_next else begins < spot.begin)
     place = is_it.argmax(axis=0) if is_next else len(begins) - 1 - is_it[::-1].argmax(axis=0)
-    return _picked(context, found, np.where(is_it.any(axis=0), place, -1))
+    return _picked(context, events, np.where(is_it.any(axis=0), place, -1))
 
 
 def _nothing_before(_: Context) -> Spot:

@@ -17,17 +17,17 @@ from tokenizers import Tokenizer
 from geotlm_lm.query.copied import Copied, copied
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.program import MOST_SLOTS, PROGRAM_WORDS, UNITS
-from geotlm_lm.query.quantities import Found, find
+from geotlm_lm.query.quantities import Stated, find
 from geotlm_lm.query.words import END
 
 UNIT_WORDS = (
     "unit:none",
     "unit:per",
-    *(f"unit:{one}" for units in UNITS.values() for one in units),
+    *(f"unit:{unit}" for units in UNITS.values() for unit in units),
 )
 SIZES = (0, 1, 2, 45, 90, 180, 270, 360)
 """Values that may mean more than an amount: a mount "turned by 90 degrees"."""
-SIZE_WORDS = ("size:negative", "size:other", *(f"size:{one}" for one in SIZES))
+SIZE_WORDS = ("size:negative", "size:other", *(f"size:{size}" for size in SIZES))
 READ = "<read>"
 """Ends the question; the query begins."""
 
@@ -40,7 +40,7 @@ class Spelled:
     """A question for its reader."""
 
     ids: list[int]  # up to and with `READ`
-    found: tuple[Found, ...]  # the quantities that stand as slots, placed in the mended text
+    quantities: tuple[Stated, ...]  # the quantities that stand as slots, placed in the mended text
     copied: tuple[Copied, ...] = ()  # the words that may be copied, likewise
 
 
@@ -72,18 +72,18 @@ class Spelling:
     def question(self, text: str) -> Spelled:
         """Return the ids of a question: mended, lower case, its first numbers as slots."""
         text = self.lexicon.mended(text)
-        found, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[:MOST_SLOTS])
-        marks = [(each.start, each.end, f"#{k}", _said(each)) for k, each in enumerate(found, 1)]
+        stated, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[:MOST_SLOTS])
+        marks = [(each.start, each.end, f"#{k}", _beside(each)) for k, each in enumerate(stated, 1)]
         # A word that may be copied is read as well: its place stands before it.
         marks += [(each.start, each.start, f"@{k}", []) for k, each in enumerate(words, 1)]
         ids: list[int] = []
         at = 0
-        for start, end, slot, said in sorted(marks, key=lambda mark: mark[0]):
+        for start, end, slot, beside in sorted(marks, key=lambda mark: mark[0]):
             ids += self._text(text[at:start])
-            ids += [self.id_of[word] for word in (slot, *said)]
+            ids += [self.id_of[word] for word in (slot, *beside)]
             at = max(at, end)
         ids += self._text(text[at:])
-        return Spelled([*ids, self.id_of[READ]], found, words)
+        return Spelled([*ids, self.id_of[READ]], stated, words)
 
     def query(self, words: Sequence[str]) -> list[int]:
         """Return a query's ids, its end among them."""
@@ -101,15 +101,15 @@ def cleaned_text(text: str) -> str:
 
 def plain_parts(text: str) -> list[str]:
     """Return what of a text is read as byte pairs: all but its numbers."""
-    ends = [(one.start, one.end) for one in find(text)[:MOST_SLOTS]]
+    ends = [(each.start, each.end) for each in find(text)[:MOST_SLOTS]]
     starts = [0, *(end for _, end in ends)]
     stops = [*(start for start, _ in ends), len(text)]
     return [cleaned_text(text[a:b]) for a, b in zip(starts, stops, strict=True)]
 
 
-def _said(found: Found) -> list[str]:
-    unit, value = found.quantity.unit, found.quantity.value
+def _beside(placed: Stated) -> list[str]:
+    unit, value = placed.quantity.unit, placed.quantity.value
     top, _, bottom = unit.partition("/")
-    said = [f"unit:{top}" if top else "unit:none", *(["unit:per"] if bottom else [])]
-    size = next((f"size:{one}" for one in SIZES if value == one), "size:other")
-    return [*said, "size:negative" if value < 0 else size]
+    words = [f"unit:{top}" if top else "unit:none", *(["unit:per"] if bottom else [])]
+    size = next((f"size:{each}" for each in SIZES if value == each), "size:other")
+    return [*words, "size:negative" if value < 0 else size]

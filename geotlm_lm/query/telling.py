@@ -30,7 +30,7 @@ from geotlm_lm.query.phrases import (
     way_phrase,
     where_phrase,
 )
-from geotlm_lm.query.program import TRAITS, Expression, head_of
+from geotlm_lm.query.program import TRAITS, Expression, head_of, measure_of
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.types import WAY_ATOMS
 from geotlm_lm.query.values import (
@@ -67,7 +67,7 @@ OFF_CENTRE = 1 / 6
 
 
 @dataclass(frozen=True)
-class Told:
+class Wording:
     """A sentence, and the point of view that was named last, in it or before."""
 
     text: str
@@ -88,14 +88,14 @@ class Teller:
     frame: FrameSpec = FrameSpec()
     named: str | None = None
 
-    def tell(self, value: Value) -> Told:
+    def tell(self, value: Value) -> Wording:
         """Return a value as a sentence."""
         if isinstance(value, Unknown):
             text = f"{replies()['missing'][value.reason]} {value.detail}".strip()
-            return Told(text, self.named)
+            return Wording(text, self.named)
         text = _sentence(_TELLERS[type(value)](self, value))
         where = where_phrase(value.edit, self.frame)
-        return Told(text, where if where in text else self.named)
+        return Wording(text, where if where in text else self.named)
 
     # Parts of a sentence
 
@@ -266,8 +266,7 @@ def _amount(teller: Teller, value: Amount) -> str:
         return f"{amount.value:g} {'time' if amount.value == 1 else 'times'}"
     if value.at_s is not None:
         text += f", at {teller.moment(value.at_s)}"
-    while head.word in ("unit", "per", "round"):
-        head = head.arguments[-1]
+    head = measure_of(head)
     is_back = motion is not None and any(move.path is not None for move in motion.movements)
     is_of_a_way = head.word in ("amount", "speed") or (
         head.word in ("peak", "top-speed") and not is_back
@@ -417,9 +416,9 @@ def _record(teller: Teller, value: Record) -> str:
     parts = []
     for key, each in value.fields:
         name = f"the {each.clip}: " if each.clip else f"{key}: " if key else ""
-        told = teller.tell(each)
-        teller = replace(teller, named=told.named)
-        text = told.text.rstrip(".")
+        wording = teller.tell(each)
+        teller = replace(teller, named=wording.named)
+        text = wording.text.rstrip(".")
         parts.append(f"{name}{text[:1].lower()}{text[1:]}")
     return "; ".join(parts) or "none"
 

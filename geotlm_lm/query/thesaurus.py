@@ -37,7 +37,7 @@ class Thesaurus:
                 forms = sorted({form for form in column if form})
                 for form in forms:
                     others = self._others.setdefault(tuple(form.split()), [])
-                    others += [one for one in forms if one != form and one not in others]
+                    others += [each for each in forms if each != form and each not in others]
         self._longest = max(map(len, self._others), default=0)
 
     def others(self, phrase: str) -> list[str]:
@@ -57,12 +57,12 @@ class Thesaurus:
                     new = new[0].upper() + new[1:]
                 text, at = before + new, end
         text += pair.text[at:]
-        said = [[one.quantity for one in find(each)] for each in (text, pair.text)]
-        return pair if said[0] != said[1] else Pair(text, pair.query, pair.families)
+        numbers = [[quantity.quantity for quantity in find(each)] for each in (text, pair.text)]
+        return pair if numbers[0] != numbers[1] else Pair(text, pair.query, pair.families)
 
     def _exchangeable(self, text: str) -> Iterator[tuple[int, int, list[str]]]:
         """Yield where a text's longest known phrases are, and what may stand for each."""
-        taken = [(one.start, one.end) for one in find(text)]
+        taken = [(each.start, each.end) for each in find(text)]
         words = [
             match
             for match in _WORD.finditer(text)
@@ -84,4 +84,4 @@ def thesaurus() -> Thesaurus:
     """Return the thesaurus, read once."""
     path = training_templates() / "query" / "thesaurus.toml"
     groups = tomllib.loads(path.read_text(encoding="utf-8"))["group"]
-    return Thesaurus([one["rows"] for one in groups])
+    return Thesaurus([group["rows"] for group in groups])

@@ -93,12 +93,12 @@ def _parts(context: Context, component: Component):
 
 
 def _moves(context: Context, component: Component) -> Floats:
-    found = np.zeros(COUNT, bool)
+    moves = np.zeros(COUNT, bool)
     for happening, is_so, _ in _parts(context, component):
         if component is Component.PRESS and happening.is_edge:
             continue  # what begins or ends contact is a touch or a release and no press
-        found = found | is_so
-    return found.astype(float)
+        moves = moves | is_so
+    return moves.astype(float)
 
 
 def _goes(context: Context, way: str) -> Floats:
@@ -147,9 +147,9 @@ def _or(context: Context, left: Expression, right: Expression) -> Floats:
     return np.where((one == 1) | (two == 1), 1.0, 1 - (1 - one) * (1 - two))
 
 
-def _truth(found: NDArray[np.bool_], *numbers: Floats) -> Floats:
+def _truth(holds: NDArray[np.bool_], *numbers: Floats) -> Floats:
     missing = sum(np.isnan(each) for each in numbers)
-    return np.where(missing > 0, np.nan, found.astype(float))
+    return np.where(missing > 0, np.nan, holds.astype(float))
 
 
 def _relation(compare: Callable[[Floats, Floats], Any]):
@@ -220,11 +220,11 @@ def _speeds(sign: int):
 
 
 def _ever(context: Context, inner: Expression) -> Floats:
-    return np.any([found.any(axis=0) for _, found in moments(context, inner)], axis=0) * 1.0
+    return np.any([holds.any(axis=0) for _, holds in moments(context, inner)], axis=0) * 1.0
 
 
 def _always(context: Context, inner: Expression) -> Floats:
-    return np.all([found.all(axis=0) for _, found in moments(context, inner)], axis=0) * 1.0
+    return np.all([holds.all(axis=0) for _, holds in moments(context, inner)], axis=0) * 1.0
 
 
 _CODES = {way: place for place, way in enumerate(WAY)}
@@ -259,7 +259,7 @@ def _main_way(inner: Expression, context: Context) -> NDArray[np.int64]:
         inner = inner.arguments[-1]
     asked = inner.arguments[0] if inner.word == "way" else "all"
     parts = [part for part in COMPONENTS if asked in ("all", part.value)]
-    best, found = np.zeros(COUNT), np.full(COUNT, -1)
+    best, main = np.zeros(COUNT), np.full(COUNT, -1)
     for component in parts:
         moves = np.broadcast_to(_moves(context, component), (COUNT,)) > 0
         twist = np.broadcast_to(net(context, component)[0], (COUNT, 4))
@@ -270,8 +270,8 @@ def _main_way(inner: Expression, context: Context) -> NDArray[np.int64]:
         far = along.max(axis=0) * scale.get(component, PX_PER_MM)
         is_it = moves & (far > best)
         codes = np.array([_CODES[way] for way in ways])[along.argmax(axis=0)]
-        best, found = np.where(is_it, far, best), np.where(is_it, codes, found)
-    return found
+        best, main = np.where(is_it, far, best), np.where(is_it, codes, main)
+    return main
 
 
 # Moments of a span

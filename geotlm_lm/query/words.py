@@ -15,9 +15,9 @@ class Malformed(UsageError):
     """A text is no query: the word found and those that could stand there."""
 
     def __init__(self, words: Sequence[str], at: int, expected: Sequence[str]) -> None:
-        found = repr(words[at]) if at < len(words) else "nothing more"
+        given = repr(words[at]) if at < len(words) else "nothing more"
         super().__init__(
-            f"A query had {found} after {' '.join(words[:at])!r}, expected one of "
+            f"A query had {given} after {' '.join(words[:at])!r}, expected one of "
             f"{', '.join(sorted(expected))}; write one of these there."
         )
         self.at, self.expected = at, frozenset(expected)

@@ -58,11 +58,11 @@ class Strata:
 
     def even_among(self, chosen: Bools) -> Floats:
         """Return the same, even among the chosen worlds as well as among the others, (COUNT,)."""
-        found = np.empty(COUNT)
+        numbers = np.empty(COUNT)
         for part in (chosen, ~chosen):
             count = int(part.sum())
-            found[part] = (self._rng.permutation(count) + 0.5) / max(count, 1)
-        return found
+            numbers[part] = (self._rng.permutation(count) + 0.5) / max(count, 1)
+        return numbers
 
     def normal(self) -> Floats:
         """Return standard normal numbers, (COUNT,)."""
@@ -211,20 +211,20 @@ def worlds_of_clip(belief: Belief, seed: int = 0) -> Worlds:
     strata = Strata(seed)
     touching = min(max(belief.contact, *map(belief.moves, COMPONENTS)), 1.0)
     touches = strata.even() < (touching if belief.is_contact_known else 1.0)
-    found = []
+    happenings = []
     for component in COMPONENTS:
         twist, is_real = _drawn(belief, component, touches, strata)
         kinds = {way: kind for kind, part in KINDS.items() for way in WAYS[part]}
         kinds |= {Motion.PRESS: EventKind.PRESS, Motion.RELEASE: EventKind.RELEASE}
         kind = kinds[belief.way(component)]
         ends = np.array([0.0, 1.0])
-        found.append(
+        happenings.append(
             Happening(
                 kind, 0.0, 1.0, is_real, float(is_real.mean()), twist, ends, ends, belief.radius_px
             )  # fmt: skip
         )
     unseen = _unseen(belief, strata)
-    return Worlds(tuple(found), touches, ((0.0, 1.0),), 0.0, 1.0, unseen, belief)
+    return Worlds(tuple(happenings), touches, ((0.0, 1.0),), 0.0, 1.0, unseen, belief)
 
 
 def _drawn(
@@ -287,7 +287,7 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
     contact = float(track.contact.max(initial=0.0)) if track.is_contact_known else 1.0
     touches = strata.even() < contact
     common = {component: strata.normal() for component in COMPONENTS}
-    found = []
+    happenings = []
     for event in track.events:
         if event.kind is EventKind.SLIP:
             continue  # the turn or slide that it is stands there already
@@ -296,8 +296,8 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
         share = min(event.probability / max(contact, 1e-9), 1.0)
         is_real = touches & (strata.even_among(touches) < share)
         if event.component is None or event.begin_s == event.end_s:
-            found.append(instant(event.kind, event.begin_s, is_real, event))
-            found[-1] = replace(found[-1], end_s=event.end_s)
+            happenings.append(instant(event.kind, event.begin_s, is_real, event))
+            happenings[-1] = replace(happenings[-1], end_s=event.end_s)
             continue
         (systematic, own), noise = _spread(track, event), strata.normal()
         part = COLUMNS[event.component]
@@ -306,7 +306,7 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
         drawn = np.zeros((COUNT, 4))
         drawn[:, part] = _lengthened(mean, systematic * common[event.component], own, noise, strata)
         times, shares = _progress(track, event)
-        found.append(
+        happenings.append(
             Happening(
                 event.kind,
                 event.begin_s,
@@ -324,7 +324,8 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
     ends = float(track.times_s[0]), float(track.times_s[-1])
     unseen = _unseen(belief, strata)
     contacts = track.contacts() if track.is_contact_known else (ends,)
-    return Worlds(tuple(sorted(found, key=_order)), touches, contacts, *ends, unseen, belief, track)
+    happenings.sort(key=_order)
+    return Worlds(tuple(happenings), touches, contacts, *ends, unseen, belief, track)
 
 
 def _lengthened(

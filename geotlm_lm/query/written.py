@@ -6,13 +6,14 @@ import csv
 import io
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.phrases import amount_phrase, case_phrase, joined
-from geotlm_lm.query.program import Case, head_of
-from geotlm_lm.query.telling import MOVING, Teller, Told
+from geotlm_lm.query.program import Case, head_of, measure_of
+from geotlm_lm.query.telling import MOVING, Teller, Wording
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -29,7 +30,7 @@ POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
 ONE_WORDS = {Component.TURN: "rotation", Component.SLIDE: "slide", Component.PRESS: "press"}
 
 
-def told_in(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0) -> Told:
+def worded(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0) -> Wording:
     """Return values in a form of `program.FORMS`; what has no such form is told in full.
 
     Args:
@@ -39,22 +40,19 @@ def told_in(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.
         sure: Probability of the whole answer, for JSON.
     """
     if form == "json":
-        return Told(json.dumps(as_json(values, teller, sure)), teller.named)
+        return Wording(json.dumps(as_json(values, teller, sure)), teller.named)
     if form in ("csv", "pairs"):
-        return Told(_template(values, form, teller), teller.named)
+        return Wording(_template(values, form, teller), teller.named)
     if form in ("list", "table"):
         return _listed(values, form, teller)
     texts, named = [], teller.named
     for value in values:
         short = shortened(value, form, teller)
-        told = Told(short, named) if short is not None else _renamed(teller, named).tell(value)
-        texts.append(told.text)
-        named = told.named
-    return Told(" ".join(texts), named)
-
-
-def _renamed(teller: Teller, named: str | None) -> Teller:
-    return Teller(teller.recording, teller.frame, named)
+        own = replace(teller, named=named)
+        wording = own.tell(value) if short is None else Wording(short, named)
+        texts.append(wording.text)
+        named = wording.named
+    return Wording(" ".join(texts), named)
 
 
 def shortened(value: Value, form: str, teller: Teller) -> str | None:
@@ -166,18 +164,18 @@ def plain(value: Value, teller: Teller) -> Any:
 
 
 def _event(shown: Shown) -> dict[str, Any]:
-    told = {"kind": shown.kind.value, "way": shown.way.value,
+    row = {"kind": shown.kind.value, "way": shown.way.value,
             "begin_s": round(shown.begin_s, 3), "end_s": round(shown.end_s, 3)}  # fmt: skip
     if shown.amount is not None:
-        told |= {"value": shown.amount.value, "unit": shown.amount.unit}
-    return told
+        row |= {"value": shown.amount.value, "unit": shown.amount.unit}
+    return row
 
 
 def _fields(values: Sequence[Value]) -> list[tuple[str | None, Value]]:
-    found: list[tuple[str | None, Value]] = []
+    fields: list[tuple[str | None, Value]] = []
     for value in values:
-        found += value.fields if isinstance(value, Record) else [(None, value)]
-    return found
+        fields += value.fields if isinstance(value, Record) else [(None, value)]
+    return fields
 
 
 def as_json(values: Sequence[Value], teller: Teller, sure: float) -> Any:
@@ -186,18 +184,16 @@ def as_json(values: Sequence[Value], teller: Teller, sure: float) -> Any:
     if fields and all(key for key, _ in fields):
         return {key: plain(value, teller) for key, value in fields}
     names = [key or name_of(value) for key, value in fields]
-    found = {
+    row = {
         name if names.count(name) == 1 else f"{name}_{place}": plain(value, teller)
         for place, (name, (_, value)) in enumerate(zip(names, fields, strict=True), 1)
     }
-    return found | {"probability": round(sure, 3)}
+    return row | {"probability": round(sure, 3)}
 
 
 def name_of(value: Value) -> str:
     """Return the key of a value that was given none: "turn_deg", "moves", "time_s"."""
-    head = head_of(value.of)
-    while head.word in ("unit", "per", "round", "abs"):
-        head = head.arguments[-1]
+    head = measure_of(head_of(value.of))
     if isinstance(value, Amount):
         names = [each for each in head.arguments if isinstance(each, str)]
         unit = value.amount.unit.replace("/", "_per_").replace("percent", "")
@@ -228,15 +224,15 @@ def _csv(rows: Sequence[Sequence[str]]) -> str:
 
 
 def _cell(value: Value, teller: Teller) -> str:
-    found = plain(value, teller)
-    if found is None:
+    cell = plain(value, teller)
+    if cell is None:
         return ""
-    if isinstance(found, bool):
-        return "1" if found else "0"
-    return f"{found:g}" if isinstance(found, float | int) else str(found)
+    if isinstance(cell, bool):
+        return "1" if cell else "0"
+    return f"{cell:g}" if isinstance(cell, float | int) else str(cell)
 
 
-def _listed(values: Sequence[Value], form: str, teller: Teller) -> Told:
+def _listed(values: Sequence[Value], form: str, teller: Teller) -> Wording:
     """Return values, a record's or a story's parts, each on a line of its own."""
     lines: list[list[str]] = []
     for value in values:
@@ -250,6 +246,6 @@ def _listed(values: Sequence[Value], form: str, teller: Teller) -> Told:
         else:
             lines.append([teller.tell(value).text])
     if form == "table":
-        return Told("\n".join(" | ".join(line) for line in lines), teller.named)
+        return Wording("\n".join(" | ".join(line) for line in lines), teller.named)
     texts = [" ".join(part for part in line if part) for line in lines]
-    return Told("\n".join(f"{k}. {text}" for k, text in enumerate(texts, 1)), teller.named)
+    return Wording("\n".join(f"{k}. {text}" for k, text in enumerate(texts, 1)), teller.named)

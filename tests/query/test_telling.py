@@ -10,7 +10,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.written import told_in
+from geotlm_lm.query.written import worded
 from tests.query.programs import (
     RECORDING,
     certain,
@@ -31,7 +31,7 @@ def told(line, *clips, texts=(), frame=FRAME):
     clips = clips or (there_and_back(),)
     program = p.filled(p.read(line), (), texts)
     values = answers(program, clips, frame)
-    return told_in(values, program.form, Teller(clips[-1].recording, frame), 0.9).text
+    return worded(values, program.form, Teller(clips[-1].recording, frame), 0.9).text
 
 
 @pytest.mark.parametrize(("line", "text"), [
@@ -89,7 +89,7 @@ def test_no_is_told_with_what_is_so_instead():
 def test_whatever_is_asked_is_told_in_every_form(expression, clips):
     values = answers(p.Program((expression,)), clips, FRAME)
     for form in ("sentence", "word", "number", "json", "csv", "pairs", "list", "table", "bare"):
-        assert isinstance(told_in(values, form, Teller(clips[-1].recording, FRAME)).text, str)
+        assert isinstance(worded(values, form, Teller(clips[-1].recording, FRAME)).text, str)
 
 
 @pytest.mark.parametrize("line", ["turn", "cw", "way turn", "amount turn", "slide", "touch",
