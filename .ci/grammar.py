@@ -14,7 +14,7 @@ from itertools import islice
 
 from geotlm_lm.benchmarks.reading import primitive_of
 from geotlm_lm.query.grammar import SPLITS, Pair, grammar
-from geotlm_lm.query.program import PROGRAM_WORDS
+from geotlm_lm.query.lines import PROGRAM_WORDS
 
 
 @dataclass(frozen=True)

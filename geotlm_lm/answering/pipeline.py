@@ -29,7 +29,8 @@ from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import Evidence
 from geotlm_lm.query.facts import FACTS, Fact, with_facts
 from geotlm_lm.query.follow_up import resumed
-from geotlm_lm.query.program import Program, head_of, of, type_of, write
+from geotlm_lm.query.lines import write
+from geotlm_lm.query.program import Program, head_of, of, type_of
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated

@@ -26,7 +26,8 @@ from geotlm_lm.query.labelled import (
     of_pairs,
     written_by,
 )
-from geotlm_lm.query.program import filled, head_of, read
+from geotlm_lm.query.lines import read
+from geotlm_lm.query.program import filled, head_of
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.training.calibration import expected_calibration_error
 

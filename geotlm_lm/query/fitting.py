@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.evaluate import COMPONENT
-from geotlm_lm.query.program import UNITS, Expression, begun
+from geotlm_lm.query.lines import begun
+from geotlm_lm.query.program import UNITS, Expression
 from geotlm_lm.query.types import Quantity
 
 _ANY = ("", "percent")

@@ -30,18 +30,10 @@ from geotlm_lm.query.clauses import (
     topic_of,
 )
 from geotlm_lm.query.copied import copied
+from geotlm_lm.query.lines import read, write
 from geotlm_lm.query.noise import roughened
 from geotlm_lm.query.own_wordings import own_clauses, own_families, own_words
-from geotlm_lm.query.program import (
-    MOST_SLOTS,
-    TRAITS,
-    TWO_CLIPS,
-    head_of,
-    normal,
-    read,
-    type_of,
-    write,
-)
+from geotlm_lm.query.program import MOST_SLOTS, TRAITS, TWO_CLIPS, head_of, normal, type_of
 from geotlm_lm.query.quantities import find
 
 _FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")

@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.grammar import Pair, grammar
-from geotlm_lm.query.program import Expression, Program, normal, read
+from geotlm_lm.query.lines import read
+from geotlm_lm.query.program import Expression, Program, normal
 
 BLIND, SET_UPS, TUNE = "blind", "set-ups", "tune"
 """Sets written by people who had seen no template; only the last is used for any choice. The second

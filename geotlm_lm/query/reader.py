@@ -25,7 +25,8 @@ from geotlm_lm.language.decoder import LanguageSize, LlamaDecoder
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
-from geotlm_lm.query.program import Program, filled, read
+from geotlm_lm.query.lines import read
+from geotlm_lm.query.program import Program, filled
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.words import END

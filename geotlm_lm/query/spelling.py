@@ -16,7 +16,8 @@ from tokenizers import Tokenizer
 
 from geotlm_lm.query.copied import Copied, copied
 from geotlm_lm.query.lexicon import Lexicon
-from geotlm_lm.query.program import MOST_SLOTS, PROGRAM_WORDS, UNITS
+from geotlm_lm.query.lines import PROGRAM_WORDS
+from geotlm_lm.query.program import MOST_SLOTS, UNITS
 from geotlm_lm.query.quantities import Stated, find
 from geotlm_lm.query.words import END
 

@@ -11,7 +11,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.program import read
+from geotlm_lm.query.lines import read
 from tests.answering.scripted import ScriptedReader, believed, feeling, recording
 
 MIXED = believed("clockwise", "left", deg=20.0, px=20.0)

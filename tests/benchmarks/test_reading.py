@@ -16,7 +16,7 @@ from geotlm_lm.benchmarks.reading import PROGRAM, READING, VALUE, Graded, graded
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.query.grammar import Pair
 from geotlm_lm.query.labelled import WRITERS, Labelled, written_by
-from geotlm_lm.query.program import read
+from geotlm_lm.query.lines import read
 from geotlm_lm.training.calibration import calibrated_reader
 from tests.answering.scripted import ScriptedReader
 from tests.tiny_bundle import tiny_bundle, tiny_reader

@@ -10,8 +10,10 @@ from hypothesis import strategies as st
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
 from geotlm_lm.query.amounts import Recording
+from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import ContactArea, Context, Evidence
 from geotlm_lm.query.program import Case, Expression, Field, of
 from geotlm_lm.query.quantities import Quantity
@@ -36,10 +38,10 @@ _QUANTITIES = (
 def expressions(wanted: str = "answer", depth: int = 4) -> st.SearchStrategy[Expression]:
     """Draw expressions of a type, no deeper than `depth`."""
     accepted = p.ACCEPTED[wanted]
-    if wanted in p._NAMES:  # the names themselves
+    if wanted in p.NAMES:  # the names themselves
         return st.sampled_from(sorted(accepted))
     words = [word for word in accepted if word != "again"]
-    leaves = [word for word in words if all(each in p._NAMES for each in accepted[word])]
+    leaves = [word for word in words if all(each in p.NAMES for each in accepted[word])]
     chosen = leaves if depth <= 0 and leaves else words
     plain = st.sampled_from(sorted(chosen)).flatmap(lambda word: _with(word, accepted, depth))
     if wanted != "number":
@@ -123,3 +125,8 @@ def turned_and_slid() -> Evidence:
     )
     contact = (np.arange(101) <= 75).astype(float)
     return of_track(moving_track(twists, events, contact=contact, frame_size=(240, 320)))
+
+
+def told(line, *clips, frame=None):
+    """Return what a line comes to."""
+    return answers(lines.read(line), clips or (there_and_back(),), frame or FrameSpec())[0]

@@ -7,15 +7,8 @@ import pytest
 from geotlm_lm.query.copied import copied
 from geotlm_lm.query.grammar import _CHOICE, _FIELD, SPLITS, corpus, grammar, split_of
 from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
-from geotlm_lm.query.program import (
-    _ANSWERS,
-    MOST_SLOTS,
-    PROGRAM_WORDS,
-    filled,
-    read,
-    type_of,
-    write,
-)
+from geotlm_lm.query.lines import PROGRAM_WORDS, read, write
+from geotlm_lm.query.program import _ANSWERS, MOST_SLOTS, filled, type_of
 from geotlm_lm.query.quantities import quantities
 
 CORPUS = [Labelled(one.text, (one.query,)) for split in SPLITS for one in corpus(split)]

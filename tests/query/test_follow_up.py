@@ -4,7 +4,8 @@ import pytest
 from hypothesis import given, settings
 
 from geotlm_lm.query.follow_up import resumed
-from geotlm_lm.query.program import Program, normal, read, write
+from geotlm_lm.query.lines import read, write
+from geotlm_lm.query.program import Program, normal
 from tests.query.programs import expressions
 
 

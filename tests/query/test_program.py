@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
 from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.types import Slot
@@ -26,43 +27,43 @@ LINES = (
 
 @pytest.mark.parametrize("line", LINES)
 def test_a_line_is_read_and_written_as_it_stands(line):
-    assert p.write(p.read(line)) == line
+    assert lines.write(lines.read(line)) == line
 
 
 @given(expressions())
 @settings(max_examples=150, deadline=None)
 def test_a_program_read_back_from_its_words_is_itself(expression):
-    line = p.written(expression)
-    assert p.read(line, slots=0).answers == (expression,)
+    line = lines.written(expression)
+    assert lines.read(line, slots=0).answers == (expression,)
 
 
 @given(expressions())
 @settings(max_examples=40, deadline=None)
 def test_every_word_of_a_program_is_among_those_that_may_follow(expression):
-    words = p.written(expression).split()
-    assert {word for word in words if ":" not in word} <= set(p.PROGRAM_WORDS)
+    words = lines.written(expression).split()
+    assert {word for word in words if ":" not in word} <= set(lines.PROGRAM_WORDS)
     for place, word in enumerate(words):
         if ":" not in word:
-            assert word in p.begun(words[:place], 0)[0]
-    assert END in p.begun(words, 0)[0]
+            assert word in lines.begun(words[:place], 0)[0]
+    assert END in lines.begun(words, 0)[0]
 
 
 @given(st.data())
 @settings(max_examples=60, deadline=None)
 def test_what_may_follow_is_well_formed_to_the_end(data):
     words, length = [], 12
-    while END not in (allowed := p.begun(words, 2, 1)[0]) or len(words) < length:
+    while END not in (allowed := lines.begun(words, 2, 1)[0]) or len(words) < length:
         offered = sorted(allowed - {END})
         if not offered or len(words) > 60:
             return
         words.append(data.draw(st.sampled_from(offered)))
-        if len(words) > length and END in p.begun(words, 2, 1)[0]:
+        if len(words) > length and END in lines.begun(words, 2, 1)[0]:
             break
-    assert p.write(p.read(" ".join(words))) == " ".join(words)
+    assert lines.write(lines.read(" ".join(words))) == " ".join(words)
 
 
 def test_numbers_and_words_of_the_question_fill_their_slots():
-    program = p.read("record @1 > amount turn #2 , @2 amount slide end")
+    program = lines.read("record @1 > amount turn #2 , @2 amount slide end")
     filled = p.filled(program, (Quantity(1.0), Quantity(30.0, "deg")), ("angle", "far"))
     first, second = filled.answers[0].arguments[0]
     assert (first.key, second.key) == ("angle", "far")
@@ -73,7 +74,7 @@ def test_numbers_and_words_of_the_question_fill_their_slots():
 @pytest.mark.parametrize("line", ["", "turn turn", "> amount turn", "way of", "within turn cw"])
 def test_what_is_no_program_names_the_words_that_could_stand_there(line):
     with pytest.raises(Malformed, match="expected one of"):
-        p.read(line)
+        lines.read(line)
 
 
 def test_no_word_gives_two_types_where_any_may_stand():
@@ -88,4 +89,4 @@ def test_no_word_gives_two_types_where_any_may_stand():
     ("record mirror mirror turn , undo turn end", "record turn , undo turn end"),
 ])  # fmt: skip
 def test_views_are_written_in_their_shortest_words(line, normal):
-    assert p.write(p.normal(p.read(line))) == normal
+    assert lines.write(p.normal(lines.read(line))) == normal

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 import geotlm_lm
 from geotlm_lm.query import program as p
 from geotlm_lm.query.facts import FACTS
-from geotlm_lm.query.program import EVENTS, Program, read
+from geotlm_lm.query.lines import read
+from geotlm_lm.query.program import EVENTS, Program
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import _NOUNS, _PHRASES, _SO, restated
 from geotlm_lm.query.types import TALK, UNANSWERABLE, Fact, Quantity
@@ -22,7 +23,7 @@ NAMED = {"way", "choose", "choose-not", "record", "pi", *p.COUNTS}
 def test_every_primitive_has_words():
     for name, words in p.ACCEPTED.items():
         for word, takes in words.items():
-            if name in p._NAMES or word in NAMED:
+            if name in p.NAMES or word in NAMED:
                 continue
             if word.endswith(EVENTS):
                 assert word.removesuffix(EVENTS) in _NOUNS

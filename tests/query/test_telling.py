@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.telling import Teller
@@ -29,7 +30,7 @@ MOST_WORDS = 30
 def told(line, *clips, texts=(), frame=FRAME):
     """Return what a line is answered by."""
     clips = clips or (there_and_back(),)
-    program = p.filled(p.read(line), (), texts)
+    program = p.filled(lines.read(line), (), texts)
     values = answers(program, clips, frame)
     return worded(values, program.form, Teller(clips[-1].recording, frame), 0.9).text
 
