@@ -303,7 +303,7 @@ def _label(expression: Expression, context: Context) -> Value:
         right = np.all([~held[place] for place in chosen], axis=0) if chosen else none
     else:
         chosen = tuple(place for place in order if chances[place] >= 0.5) or tuple(order[:1])
-        chosen = () if chances[chosen[0]] < 0.5 <= none.mean() else chosen
+        chosen = () if chances[chosen[0]] < min(none.mean(), 0.5) else chosen
         right = np.all([held[place] for place in chosen], axis=0) if chosen else none
     motion = _motion_of(tuple(context.trace.components), placed)
     return Choice(of=expression, chosen=chosen, chances=chances, probability=float(np.mean(right)),
