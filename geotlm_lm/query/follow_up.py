@@ -114,6 +114,9 @@ def _unit_of(expression: Expression) -> str:
 
 def _as_number(last: Expression, kind: str) -> Expression:
     """Return what was asked as a number: of a way or a truth how far it goes."""
+    if last.word == "if":
+        condition, *branches = last.arguments
+        return of("if", condition, *(_as_number(branch, kind) for branch in branches))
     if type_of(last) == "number":
         return last
     if last.word in (*EDIT_WORDS, *_PLACED):
