@@ -60,13 +60,20 @@ def resumed(program: Program, before: Program) -> Program:
     for answer in program.answers:
         is_about_all = _leans(answer) and any(each.word == "again" for each in answer)
         for last in before.answers if is_about_all else before.answers[:1]:
-            answers.append(_spelled(answer, last))
+            answers.append(_asked(_spelled(answer, last)))
             if not _leans(answer):
                 break
     is_kept = program.form == "sentence" and before.form not in STRUCTURED
     form = before.form if is_kept else program.form
     spelled = replace(program, answers=tuple(dict.fromkeys(answers)), form=form)
     return normal(spelled)
+
+
+def _asked(answer: Expression) -> Expression:
+    """Return what can be asked: of a span, as "when was that?" may speak of, both of its ends."""
+    if type_of(answer) != "span":
+        return answer
+    return of("record", (Field(of("begin", answer)), Field(of("end", answer))))
 
 
 def _leans(expression: Expression) -> bool:
@@ -153,7 +160,7 @@ def _unplaced(last: Expression, *, is_clip: bool) -> Expression:
 def spoken_of(expression: Expression) -> Expression:
     """Return the event or the span that an answer speaks of: its own, or what it measures."""
     for each in expression:
-        if each.value is None and type_of(each) in ("event", "span"):
+        if each.value is None and each.word != "if" and type_of(each) in ("event", "span"):
             return each
     for each in expression:
         if each.word.endswith(EVENTS):

@@ -275,6 +275,8 @@ def type_of(expression: Expression) -> str:
     """Return the type that an expression gives."""
     if expression.value is not None:
         return "number"
+    if expression.word in OTHERS:
+        return "bool"
     if expression.word in _WRAPPERS:
         return type_of(expression.arguments[-1]) if expression.arguments else "answer"
     return next(name for name, words in _PLAIN.items() if expression.word in words)

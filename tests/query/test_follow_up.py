@@ -60,6 +60,12 @@ def test_the_same_again_is_what_was_asked(expression):
 @settings(max_examples=60, deadline=None)
 def test_whatever_was_asked_can_be_leaned_on(expression):
     before = Program((expression,))
-    for now in ("unit deg again", "> again 20.0:deg", "length it", "within recording again"):
+    asked = ("unit deg again", "> again 20.0:deg", "length it", "within recording again", "it")
+    for now in asked:
         found = resumed(read(now), before)
         assert write(read(write(found))) == write(found)
+
+
+def test_own_words_for_the_rest_can_be_leaned_on():
+    before = "choose @1 > amount turn 20.0:deg | @2 other ; as bare"
+    assert spelled("it", before) == "largest turn-events ; as bare"
