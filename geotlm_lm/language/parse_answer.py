@@ -131,10 +131,6 @@ class AnswerGrammar:
         """What sorts of question a model of this grammar was trained to answer."""
         return frozenset(slots.kind for slots in self._slots.values())
 
-    def options_for(self, kind: str) -> list[str]:
-        """Return every answer of `kind`, in the order of the templates."""
-        return [sentence for sentence, slots in self._slots.items() if slots.kind == kind]
-
     def save(self, path: str | Path) -> None:
         """Write the answers as JSON, atomically."""
         rows = [{"text": text, **slots.to_dict()} for text, slots in self._slots.items()]

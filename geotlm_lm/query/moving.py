@@ -29,7 +29,7 @@ from geotlm_lm.query.evaluate import (
 )
 from geotlm_lm.query.measures import measured, net
 from geotlm_lm.query.program import UNITS, of
-from geotlm_lm.query.truths import ASLANT, trait
+from geotlm_lm.query.truths import trait
 from geotlm_lm.query.types import WAY_ATOMS
 from geotlm_lm.query.values import (
     Moved,
@@ -133,13 +133,12 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     if moves.mean() < 0.5:
         return None
     twist = np.broadcast_to(net(context, component)[0], (COUNT, 4))
-    mean = twist[moves].mean(axis=0)
-    along = {way: float(mean @ _axis(way)) for way in WAYS[component]}
+    # How far it goes each way on the mean; of two ways the rarer does not cancel the other.
+    along = {way: float(np.maximum(twist[moves] @ _axis(way), 0).mean()) for way in WAYS[component]}
     way = max(along, key=along.__getitem__)
-    aslant = _aslant(along, way) if component is Component.SLIDE else None
-    goes = [np.broadcast_to(trait(context, _WORDS[each]), (COUNT,)) > 0
-            for each in (way, aslant) if each is not None]  # fmt: skip
-    right = moves & np.any(goes, axis=0)
+    goes = {each: np.broadcast_to(trait(context, _WORDS[each]), (COUNT,)) > 0 for each in along}
+    aslant = _aslant(goes, way) if component is Component.SLIDE else None
+    right = moves & (goes[way] if aslant is None else goes[way] | goes[aslant])
     path = float(np.median(_paths(context, component, twist)[moves]))
     barely = path < (BARELY_MM if component is Component.PRESS else BARELY_PX)
     amount = whole = None
@@ -157,10 +156,11 @@ def _axis(way: Motion) -> Floats:
     return np.array(WAY[_WORDS[way]][1], dtype=float)
 
 
-def _aslant(along: dict[Motion, float], way: Motion) -> Motion | None:
+def _aslant(goes: dict[Motion, NDArray[np.bool_]], way: Motion) -> Motion | None:
+    """Return the way across that a slide likely goes as well."""
     others = [each for each in SLIDES if each not in (way, opposite(way))]
-    other = max(others, key=along.__getitem__)
-    return other if along[way] > 0 and ASLANT * along[way] <= along[other] else None
+    other = max(others, key=lambda each: goes[each].mean())
+    return other if goes[other].mean() >= 0.5 else None
 
 
 def _paths(context: Context, component: Component, twist: Floats) -> Floats:

@@ -17,10 +17,6 @@ def test_anything_but_an_answer_does_not_parse(text):
     assert AnswerGrammar(ANSWERS).parse(text) is None
 
 
-def test_options_are_the_answers_of_one_kind_in_order():
-    assert AnswerGrammar(ANSWERS).options_for("verify") == list(ANSWERS)[1:3]
-
-
 def test_two_sentences_for_the_same_slots_are_refused():
     with pytest.raises(ValueError, match="repeat the slots"):
         AnswerGrammar({**ANSWERS, "Leftwards.": Slots("direction", Motion.LEFT)})
