@@ -28,15 +28,16 @@ from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import Evidence
 from geotlm_lm.query.facts import FACTS, Fact, with_facts
-from geotlm_lm.query.follow_up import resumed
+from geotlm_lm.query.follow_up import leans, resumed
 from geotlm_lm.query.lines import write
-from geotlm_lm.query.program import Program, head_of, of, type_of
+from geotlm_lm.query.phrases import label_of
+from geotlm_lm.query.program import Program, asks_of_two, head_of, of, type_of
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
 from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Remark, Truth, Unknown, Value
-from geotlm_lm.query.written import decided, label, worded
+from geotlm_lm.query.written import decided, worded
 
 UNDERSTOOD = 0.5
 """Probability of a reading from which on it is likelier than all others together."""
@@ -51,6 +52,10 @@ UNLIKELY = 0.3
 CLOSE = 0.8
 """Share of the likeliest reading's probability from which on another one is asked back about."""
 
+OUT_OF_PLACE = 0.1
+"""How much less likely a question of two recordings is where one is open, and one that leans on
+the question before where none was asked."""
+
 UNDERSTOOD_FACTS = 0.7
 """Probability below which facts that would turn an answer are asked back about: they hold until
 they are taken back."""
@@ -61,7 +66,7 @@ SAME_RATE = 0.02
 SILENT = ("cannot", "not-understood", "talk", "help")
 """Remarks that tell nothing of a recording."""
 
-TEMPLATES = ("json", "csv", "pairs")
+TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets")
 """Forms that programs read."""
 
 
@@ -129,7 +134,8 @@ def _chosen(
                 break
         else:
             groups.append([place])
-    chances = [sum(readings[place].chance for place in group) for group in groups]
+    likely = _in_place(readings, before, asked)
+    chances = [sum(likely[place] for place in group) for group in groups]
     best = max(range(len(groups)), key=chances.__getitem__)
     program = programs[groups[best][0]]
     understood = Understood(program, reader.calibrated(chances[best]))
@@ -149,6 +155,20 @@ def _chosen(
         is_doubtful = is_doubtful or _turns(program, rival)
     rival = rival if is_close or program.facts else None
     return replace(understood, ask_back=_asked_back(program, rival)) if is_doubtful else understood
+
+
+def _in_place(readings: Sequence[Reading], before: Program, asked: Asked | None) -> list[float]:
+    """Return the chances of readings, those that are out of place here less likely."""
+    if asked is None:
+        return [each.chance for each in readings]
+    weighed = []
+    for each in readings:
+        program = each.program
+        is_of_two = len(asked.clips) < 2 and any(map(asks_of_two, program.answers))
+        is_resumed = not before.answers and any(map(leans, program.answers))
+        weighed.append(each.chance * (OUT_OF_PLACE if is_of_two or is_resumed else 1.0))
+    total = sum(each.chance for each in readings) / max(sum(weighed), 1e-9)
+    return [chance * total for chance in weighed]
 
 
 def _once(program: Program) -> Program:
@@ -392,7 +412,7 @@ def _options(value: Value, encoded: Encoded) -> dict[str, float]:
         return {"yes": value.chance, "no": 1 - value.chance}
     if isinstance(value, Choice) and head_of(value.of).word in ("choose", "choose-not"):
         cases = head_of(value.of).arguments[0]
-        return {label(case): chance for case, chance in zip(cases, value.chances, strict=True)}
+        return {label_of(case): chance for case, chance in zip(cases, value.chances, strict=True)}
     if not isinstance(value, Moved):
         return {}
     belief = encoded.belief.seen(value.edit)
@@ -407,7 +427,8 @@ def _options(value: Value, encoded: Encoded) -> dict[str, float]:
 def _measures(value: Value) -> list[Measure]:
     if isinstance(value, Record):
         return [each for _, field in value.fields for each in _measures(field)]
-    measures = [value.amount] if isinstance(value, Amount) else [*getattr(value, "amounts", ())]
+    compared = (value,) if isinstance(value, Amount) else getattr(value, "amounts", ())
+    measures = [each.amount for each in compared]
     moves = () if value.moved is None else value.moved.movements
     return measures + [move.amount for move in moves if move.amount]
 

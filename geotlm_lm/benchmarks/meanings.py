@@ -13,6 +13,7 @@ from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import ContactArea, Evidence
+from geotlm_lm.query.phrases import label_of
 from geotlm_lm.query.program import Program, head_of, type_of
 from geotlm_lm.query.values import (
     Amount,
@@ -27,7 +28,6 @@ from geotlm_lm.query.values import (
     Value,
 )
 from geotlm_lm.query.worlds import worlds_of_track
-from geotlm_lm.query.written import label
 from geotlm_lm.track.events import COMPONENT_OF, Event, EventKind, Span
 from geotlm_lm.track.summed import belief_of_track
 from geotlm_lm.track.track import Track
@@ -109,7 +109,7 @@ def _ways(value: Moved) -> tuple[object, ...]:
 def _chosen(value: Choice) -> set[str | int]:
     head = head_of(value.of)
     if head.word in ("choose", "choose-not"):
-        return {label(head.arguments[0][place]) for place in value.chosen}
+        return {label_of(head.arguments[0][place]) for place in value.chosen}
     return set(value.chosen)
 
 

@@ -106,7 +106,8 @@ class Measure:
     deviation: float
     unit: str
     tolerance: float
-    decimals: int | None = None  # asked for
+    decimals: int | None = None
+    is_padded: bool = False  # all decimals are written
 
     @property
     def value(self) -> float:
@@ -143,7 +144,12 @@ class Measure:
     @property
     def word(self) -> str:
         """The amount as a program reads it: "15 deg"."""
-        return f"{self.value:g} {self.unit}"
+        return f"{self.figure} {self.unit}"
+
+    @property
+    def figure(self) -> str:
+        """Its value without a power of ten."""
+        return f"{self.value:.{self.decimals}f}" if self.is_padded else f"{self.value:.10g}"
 
     @property
     def probability(self) -> float:

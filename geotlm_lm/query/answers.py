@@ -18,7 +18,6 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query import spans  # noqa: F401  (adds its primitives)
-from geotlm_lm.query.amounts import Measure
 from geotlm_lm.query.evaluate import (
     MOVERS,
     Context,
@@ -32,6 +31,7 @@ from geotlm_lm.query.evaluate import (
     of_clip,
 )
 from geotlm_lm.query.facts import with_facts
+from geotlm_lm.query.measures import comes_back
 from geotlm_lm.query.measures import placed as where_touched
 from geotlm_lm.query.moving import (
     moved,
@@ -59,6 +59,9 @@ from geotlm_lm.query.values import (
 )
 from geotlm_lm.query.worlds import COUNT, Happening
 from geotlm_lm.track.events import TOGETHER_S
+
+FINEST = 6
+"""Decimals of a number that was rounded to a step of the asker's own."""
 
 
 def answers(program: Program, clips: tuple[Evidence, ...], frame: FrameSpec) -> tuple[Value, ...]:
@@ -113,6 +116,8 @@ def _placed(expression: Expression, context: Context) -> tuple[Expression, Conte
         else:
             context = of_clip(context, expression.word)
         expression = inner
+    if expression.word in p.LEANING:
+        raise Untold("before")
     return expression, context
 
 
@@ -140,9 +145,9 @@ def _truth(expression: Expression, context: Context) -> Value:
     )  # fmt: skip
 
 
-def _compared(inner: Expression, context: Context) -> Iterator[Measure]:
+def _compared(inner: Expression, context: Context) -> Iterator[Amount]:
     """Yield the numbers that a truth compares, but for those that were stated."""
-    if inner.word in ("not", "and", "or"):
+    if inner.word in ("not", "and", "or", "xor"):
         for part in inner.arguments:
             yield from _compared(*_placed(part, context))
     elif inner.word in (">", "<", "=", "~", "in-range"):
@@ -150,7 +155,7 @@ def _compared(inner: Expression, context: Context) -> Iterator[Measure]:
         if measured_first.value is None and isinstance(
             value := answer(measured_first, context), Amount
         ):
-            yield value.amount
+            yield value
 
 
 def _of_two(inner: Expression, context: Context) -> tuple[Value, ...]:
@@ -209,10 +214,14 @@ def _amount(expression: Expression, context: Context) -> Value:
     amount, right = spread(numbers, _moving(placed, components), context)
     rounded = next((each.arguments[0] for each in expression if each.word == "round"), None)
     if rounded is not None:
-        amount = replace(amount, decimals=int(rounded))
+        amount = replace(amount, decimals=int(rounded), is_padded=True)
+    if any(each.word == "nearest" for each in expression):
+        amount = replace(amount, decimals=FINEST)
     at_s = None
-    if inner.word in ("peak", "top-speed") and placed.worlds.is_timed:
-        at_s = middle(placed, evaluate(of(f"{inner.word}-time", *inner.arguments), placed))
+    most, of_what = measure.word, measure.arguments
+    most = "peak" if most == "amount" and comes_back(placed, *of_what) else most
+    if most in ("peak", "top-speed") and placed.worlds.is_timed:
+        at_s = middle(placed, evaluate(of(f"{most}-time", *of_what), placed))
     return Amount(
         of=expression, amount=amount, probability=right, motion=motion, at_s=at_s,
         edit=placed.view, shown=of_components(shown_in(placed), components or COMPONENTS),
@@ -303,6 +312,7 @@ def _label(expression: Expression, context: Context) -> Value:
         right = np.all([~held[place] for place in chosen], axis=0) if chosen else none
     else:
         chosen = tuple(place for place in order if chances[place] >= 0.5) or tuple(order[:1])
+        chosen = tuple(place for place in chosen if place in named) or chosen[:1]
         chosen = () if chances[chosen[0]] < min(none.mean(), 0.5) else chosen
         right = np.all([held[place] for place in chosen], axis=0) if chosen else none
     motion = _motion_of(tuple(context.trace.components), placed)

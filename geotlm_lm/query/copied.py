@@ -1,7 +1,7 @@
 """Find the words of a text that an answer may copy as they stand: labels, keys of a template.
 
 A program points at them by place: `@2` is the second that is found. They are quoted, in capitals,
-joined by an underscore, before a colon or an equals sign, or one of several between slashes.
+joined by an underscore, before a colon or an equals sign, a single capital, or between slashes.
 """
 
 from __future__ import annotations
@@ -14,10 +14,16 @@ _PLAIN = re.compile(
     r"(?<![\w'])(?:"
     r"[A-Za-z]\w*_\w+"  # angle_deg
     r"|[A-Z][A-Z0-9]+(?![\w'])"  # STOP
+    r"|N/A\b"
+    r"|[GHJ-WZ](?![\w'.])"  # L; programs spell A to F themselves, and X and Y are axes
     r"|[A-Za-z]\w*(?=\s?=(?!=)|:(?=[\s<{\"\[]|$))"  # angle=..., angle: ...
     r")"
 )
-_LISTED = re.compile(r"(?<![\w/])[A-Za-z]\w*(?:/[A-Za-z]\w*){2,}(?![\w/])")  # open/shut/none
+_LISTED = re.compile(
+    r"(?<![\w/])(?:[A-Za-z]\w*(?:/[A-Za-z]\w*){2,}"  # open/shut/none
+    r"|[A-Za-z][\w-]{2,}(?:\s?/\s?[A-Za-z][\w-]{2,})+)(?![\w/])"  # pass / fail, but not deg/s
+)
+_PART = re.compile(r"[\w-]+")
 
 
 @dataclass(frozen=True)
@@ -37,7 +43,7 @@ def copied(text: str) -> list[Copied]:
     ]
     words = {each.start: each for each in quoted}
     for listed in _LISTED.finditer(text):
-        for word in re.finditer(r"\w+", listed[0]):
+        for word in _PART.finditer(listed[0]):
             start = listed.start() + word.start()
             words.setdefault(start, Copied(word[0], start, start + len(word[0])))
     for match in _PLAIN.finditer(text):

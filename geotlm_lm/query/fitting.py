@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.evaluate import COMPONENT
 from geotlm_lm.query.lines import begun
-from geotlm_lm.query.program import UNITS, Expression
+from geotlm_lm.query.program import OVER_EVENTS, UNITS, Expression
 from geotlm_lm.query.types import Quantity
 
 _ANY = ("", "percent")
@@ -17,6 +17,8 @@ _LENGTHS = (*UNITS["length"], *_ANY)
 _TIMED = ("length", "lasts", "time-while", "delay", "clock")
 _SHARES = ("share", "percent-of", "area", "chance", "place-x", "place-y")
 _FACTS = {"scale": (*UNITS["length"], ""), "view": (*UNITS["length"], "")}
+_AROUND = ("within", "at", "abs", "negate", "round", "nearest", "low", "high", "sigma",
+           "floor", "ceil")  # fmt: skip
 _OF_TIME = ("t", "initial", "final", "later", "earlier", "around")
 
 
@@ -54,7 +56,7 @@ def _wanted(word: str, arguments: Sequence[Expression]) -> tuple[str, ...] | Non
 
 def _units_of(measured: Expression) -> tuple[str, ...] | None:
     """Return the units of a measure; None where they are not known or those of a speed."""
-    while measured.word in ("within", "at", "abs", "negate", "round"):
+    while measured.word in (*_AROUND, *OVER_EVENTS):
         measured = measured.arguments[-1]
     if measured.word == "unit":
         kind = next(units for units in UNITS.values() if measured.arguments[0] in units)
@@ -64,8 +66,8 @@ def _units_of(measured: Expression) -> tuple[str, ...] | None:
     if measured.word in _SHARES:
         return _ANY
     if measured.word == "count":
-        return ("",)
-    if measured.word not in ("amount", "path", "peak", "limit"):
+        return ("", "turn")  # "three turns"
+    if measured.word not in ("amount", "net", "path", "peak", "limit"):
         return None
     component = COMPONENT.get(measured.arguments[0])
     if component is None:

@@ -1,8 +1,9 @@
 """Follow-ups: what leans on what was asked before is spelled out.
 
 "And mirrored?", "in radians?", "more than 20 degrees?" hold `again` in the place of what was asked
-last, "how long was that?" and "what came after it?" hold `it` in the place of what it spoke of.
-Both are exchanged for that itself: the state of a conversation is expressions.
+last, "how long was that?" and "what came after it?" hold `it` in the place of what it spoke of,
+"and how often?" `those` in the place of its kind. They are exchanged for that itself: the state of
+a conversation is expressions.
 """
 
 from __future__ import annotations
@@ -11,8 +12,11 @@ from dataclasses import replace
 
 from geotlm_lm.core.edit import EDIT_WORDS
 from geotlm_lm.query.program import (
+    ASKED,
     COMPONENTS,
     EVENTS,
+    GOING,
+    LEANING,
     MEASURED,
     UNITS,
     WAYS,
@@ -29,11 +33,20 @@ from geotlm_lm.query.program import (
 OPEN = Program((of("way", "all"),))
 """What is taken to have been asked where nothing was."""
 
-_NUMBERED = (">", "<", "=", "~", "in-range", "+", "-", "*", "/", "percent-of", "min", "max", "abs",
-             "negate", "round", "unit", "per")  # fmt: skip
+_COMPARED = (">", "<", "=", "~", "in-range")
+_NUMBERED = (*_COMPARED, "+", "-", "*", "/", "percent-of", "min", "max", "abs",
+             "negate", "round", "unit", "per", "nearest", "low", "high", "sigma",
+             "floor", "ceil")  # fmt: skip
 """What takes a number: of what was no number it is how far that goes."""
 
-STRUCTURED = ("json", "csv", "pairs", "list", "table")
+_ENDS = ("low", "high", "sigma")
+"""What is told of a number's spread; one takes the place of another."""
+
+_OF_TRUTHS = ("margin", "chance", "share", "time-while", "first-time", "last-time", "ever",
+              "always", "why-of", "sure-of")  # fmt: skip
+"""What takes a truth: what was asked stays one."""
+
+STRUCTURED = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table")
 """Forms of one answer; the next is told in words again, while a word or a number stays one."""
 
 _PLACED = ("within", "at", "of-first", "of-second", "of-previous")
@@ -50,7 +63,7 @@ def resumed(program: Program, before: Program) -> Program:
         program: What is asked now.
         before: What was asked last, itself resumed.
     """
-    if not any(_leans(answer) for answer in program.answers):
+    if not any(leans(answer) for answer in program.answers):
         return program
     if not before.answers:
         if program.facts and all(answer == of("again") for answer in program.answers):
@@ -58,10 +71,10 @@ def resumed(program: Program, before: Program) -> Program:
         before = OPEN
     answers = []
     for answer in program.answers:
-        is_about_all = _leans(answer) and any(each.word == "again" for each in answer)
+        is_about_all = leans(answer) and any(each.word == "again" for each in answer)
         for last in before.answers if is_about_all else before.answers[:1]:
-            answers.append(_asked(_spelled(answer, last)))
-            if not _leans(answer):
+            answers.append(_asked(_spelled(_spoken(answer, last), last)))
+            if not leans(answer):
                 break
     is_kept = program.form == "sentence" and before.form not in STRUCTURED
     form = before.form if is_kept else program.form
@@ -76,22 +89,42 @@ def _asked(answer: Expression) -> Expression:
     return of("record", (Field(of("begin", answer)), Field(of("end", answer))))
 
 
-def _leans(expression: Expression) -> bool:
-    return any(each.word in ("again", "it") for each in expression)
+def leans(expression: Expression) -> bool:
+    """Tell whether an expression speaks of what was asked before."""
+    return any(each.word in ("again", *LEANING) for each in expression)
+
+
+def _spoken(value, last: Expression):
+    """Return an expression, or a part of one, with what was spoken of in the place of "it"."""
+    if isinstance(value, tuple):
+        return tuple(_spoken(each, last) for each in value)
+    if isinstance(value, Case):
+        return replace(value, holds=_spoken(value.holds, last))
+    if isinstance(value, Field):
+        return replace(value, answer=_spoken(value.answer, last))
+    if not isinstance(value, Expression):
+        return value
+    spoken = {"it": spoken_of, "then": _moment_of, "those": _events_of}.get(value.word)
+    if spoken is not None:
+        return spoken(last)
+    return replace(value, arguments=_spoken(value.arguments, last))
 
 
 def _spelled(expression: Expression, last: Expression, wants: str | None = None) -> Expression:
-    """Return an expression with the last one in the place of "again", its event in that of "it"."""
+    """Return an expression with the last one in the place of "again"."""
     word = expression.word
     if word == "again":
         return _as_number(last, wants) if wants is not None else last
-    if word == "it":
-        return spoken_of(last)
+    if word in ("instead", "with"):
+        what, inner = (*expression.arguments[:1], _spelled(expression.arguments[1], last, wants))
+        return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
     if word == "plain" and expression.arguments[0].word == "again":
         return _bare(last)
     if word in _PLACED and any(each.word == "again" for each in expression.arguments[-1]):
         last = _unplaced(last, is_clip=word.startswith("of-"))
-    wants = wants if word not in _NUMBERED else _unit_of(expression)
+    if word in _ENDS and last.word in _ENDS:
+        (last,) = last.arguments
+    wants = None if word in _OF_TRUTHS else _unit_of(expression) if word in _NUMBERED else wants
     arguments = tuple(_argument(each, last, wants) for each in expression.arguments)
     return replace(expression, arguments=arguments)
 
@@ -126,13 +159,15 @@ def _as_number(last: Expression, kind: str) -> Expression:
         return of("if", condition, *(_as_number(branch, kind) for branch in branches))
     if type_of(last) == "number":
         return last
-    if last.word in (*EDIT_WORDS, *_PLACED):
+    if last.word in (*EDIT_WORDS, *_PLACED, "plain"):
         *outer, inner = last.arguments
         return of(last.word, *outer, _as_number(inner, kind))
     if type_of(last) == "time":
         return of("clock", last)
     if kind == "time":
         return of("length", spoken_of(last))
+    if last.word in _COMPARED:
+        return next((each for each in last.arguments if each.value is None), last.arguments[0])
     if last.word in MEASURED:
         return of("amount", last.word)
     asked = last.arguments[0] if last.word == "way" else None
@@ -157,16 +192,100 @@ def _unplaced(last: Expression, *, is_clip: bool) -> Expression:
     return last
 
 
+def _of_another(expression: Expression, what: str, *, is_whole: bool = True) -> Expression:
+    """Return an expression of another kind of motion, of another way, or measured otherwise."""
+    word = expression.word
+    if what in GOING:
+        if word == "happens" and is_whole:
+            return of(what, _named(expression.arguments[0]) or "move")
+        if word in ("way", "extent", "kind", "story"):
+            named = expression.arguments[:1] if word == "way" else ()
+            return of(what, *(each if each in MEASURED else "move" for each in named or ("move",)))
+        if word in MEASURED and is_whole:
+            return of(what, word)
+        word = what if word in GOING else word
+    elif word in ("way", "story"):
+        return of("way", what) if what in ASKED else of(what)
+    elif word == "extent":
+        return of("amount", what)
+    elif word in MEASURED:
+        word = what
+    elif word.removesuffix(EVENTS) in MEASURED:
+        word = f"{what}{EVENTS}"
+    is_whole = is_whole and word in (*EDIT_WORDS, *_PLACED, "as-object", "as-sensor", "plain")
+    arguments = _exchanged(expression.arguments, what, is_whole=is_whole)
+    return replace(expression, word=word, arguments=arguments)
+
+
+def _exchanged(value, what: str, *, is_whole: bool = False):
+    if isinstance(value, tuple):
+        return tuple(_exchanged(each, what, is_whole=is_whole) for each in value)
+    if isinstance(value, Case):
+        return replace(value, holds=_exchanged(value.holds, what))
+    if isinstance(value, Field):
+        return replace(value, answer=_of_another(value.answer, what))
+    if isinstance(value, Expression):
+        other = _of_another(value, what, is_whole=is_whole)
+        return other if is_whole or type_of(other) == type_of(value) else value
+    return what if value in MEASURED and what in MEASURED else value
+
+
+def _with_number(expression: Expression, number: Expression) -> Expression:
+    """Return an expression with another number in the place of its first one."""
+    if expression.value is not None:
+        return number
+    for place, each in enumerate(expression.arguments):
+        if isinstance(each, Expression) and any(inner.value is not None for inner in each):
+            arguments = list(expression.arguments)
+            arguments[place] = _with_number(each, number)
+            return replace(expression, arguments=tuple(arguments))
+    return expression
+
+
+_SPOKEN = {
+    "touch": of("contact"),
+    "none": of("last", of(f"none{EVENTS}")),
+    **{word: of("largest", of(f"turn{EVENTS}")) for word in ("tighten", "loosen")},
+}
+"""What is spoken of where it is asked whether that is so."""
+
+
 def spoken_of(expression: Expression) -> Expression:
     """Return the event or the span that an answer speaks of: its own, or what it measures."""
     for each in expression:
         if each.value is None and each.word != "if" and type_of(each) in ("event", "span"):
             return each
     for each in expression:
-        if each.word.endswith(EVENTS):
-            return of("largest", each)
-        named = [each.word, *(word for word in each.arguments if isinstance(word, str))]
-        for word in named:
-            if word in (*COMPONENTS, *WAYS, "x", "y"):
-                return of("largest", of(f"{word}{EVENTS}"))
+        if each.word in _SPOKEN:
+            return _SPOKEN[each.word]
+        if each.word.endswith(EVENTS) or _named(each) is not None:
+            return of("largest", _events_of(each))
     return of("largest", of(f"move{EVENTS}"))
+
+
+def _named(expression: Expression) -> str | None:
+    """Return what kind of motion a primitive is of; None where it names none."""
+    word = expression.word.removesuffix(EVENTS)
+    named = (word, *(each for each in expression.arguments if isinstance(each, str)))
+    return next((word for word in named if word in (*COMPONENTS, *WAYS, "x", "y")), None)
+
+
+def _events_of(expression: Expression) -> Expression:
+    """Return all that happens of the kind that an answer speaks of."""
+    for each in expression:
+        if each.word != "if" and type_of(each) == "events":
+            return each
+        if (kind := each.word if each.word in _SPOKEN else _named(each)) is not None:
+            kind = "turn" if kind in ("tighten", "loosen") else kind
+            return of(f"{kind}{EVENTS}")
+    return of(f"move{EVENTS}")
+
+
+def _moment_of(expression: Expression) -> Expression:
+    """Return the moment that an answer speaks of: its own, or when that begins."""
+    for each in expression:
+        if each.value is None and each.word != "if" and type_of(each) == "time":
+            return each
+        if each.word in ("peak", "top-speed"):
+            return of(f"{each.word}-time", *each.arguments)
+    return of("begin", spoken_of(expression))

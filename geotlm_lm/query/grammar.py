@@ -293,16 +293,18 @@ def split_of(family: str) -> str:
 def corpus(split: str) -> list[Pair]:
     """Return the questions of a split that were written and labelled one by one.
 
-    Questions that begin alike and ask alike are a family.
+    Questions that begin alike and ask alike are a family; what askers who had seen no template
+    wrote and labelled themselves is all for training.
     """
-    path = training_templates() / "query" / "corpus.jsonl"
+    folder = training_templates() / "query"
     pairs = []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        row = json.loads(line)
-        begins = " ".join(row["text"].lower().split()[:3])
-        family = f"corpus/{kind_of(row['query'])} {begins}"
-        if split_of(family) == split:
-            pairs.append(Pair(row["text"], row["query"], (family,)))
+    for name in ("corpus", "askers"):
+        for line in (folder / f"{name}.jsonl").read_text(encoding="utf-8").splitlines():
+            row = json.loads(line)
+            begins = " ".join(row["text"].lower().split()[:3])
+            family = f"{name}/{kind_of(row['query'])} {begins}"
+            if split == ("train" if name == "askers" else split_of(family)):
+                pairs.append(Pair(row["text"], row["query"], (family,)))
     return pairs
 
 

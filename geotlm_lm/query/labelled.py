@@ -77,6 +77,6 @@ def _ordered(expression: Expression) -> Expression:
     arguments = tuple(
         _ordered(each) if isinstance(each, Expression) else each for each in expression.arguments
     )
-    if expression.word in ("and", "or", "+", "*", "min", "max"):
+    if expression.word in ("and", "or", "xor", "+", "*", "min", "max"):
         arguments = tuple(sorted(arguments, key=repr))
     return replace(expression, arguments=arguments)

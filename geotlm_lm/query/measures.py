@@ -10,6 +10,7 @@ import numpy as np
 
 from geotlm_lm.core.tolerance import TOLERANCES
 from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.query import program as p
 from geotlm_lm.query.evaluate import (
     COMPONENT,
@@ -41,6 +42,12 @@ from geotlm_lm.track.events import TOGETHER_S
 
 RATE_S = 0.2
 """Time over which a speed is measured: less is noise."""
+
+SPAN = (0.05, 0.95)
+"""Shares of the worlds below the ends of the span that a number is told with."""
+
+BACK = 0.5
+"""Share of the way to its farthest point that is left, at the end, of what comes back."""
 
 
 def _number(value: float):
@@ -120,10 +127,26 @@ def _farther(worlds: Worlds) -> Component | None:
     return farther if worlds.belief.moves(farther) >= 0.5 or worlds.is_timed else None
 
 
-def _amount(context: Context, atom: str) -> Numbers:
+def _net(context: Context, atom: str) -> Numbers:
     atom = _atom(context, atom)
     _require_readable(context, atom)
     return measured(context, atom, net(context, COMPONENT[atom])[0])
+
+
+def _amount(context: Context, atom: str) -> Numbers:
+    """Return the net way; of what no way is asked of and comes back, how far it got."""
+    return (_peak if comes_back(context, atom) else _net)(context, atom)
+
+
+def comes_back(context: Context, atom: str) -> bool:
+    """Tell whether something ends nearer to where it began than to where it got."""
+    if context.now is not None or not context.worlds.is_timed:
+        return False
+    atom = _atom(context, atom)
+    if atom in p.WAYS or not any(True for _ in inside(context, COMPONENT[atom])):
+        return False
+    far, at_most = (np.median(each(context, atom).values) for each in (_net, _peak))
+    return bool(far < BACK * at_most)
 
 
 def _require_readable(context: Context, atom: str) -> None:
@@ -155,7 +178,7 @@ def _edges(context: Context, atom: str) -> tuple[Floats, Numbers]:
     for happening in worlds.motions(COMPONENT[atom]):
         times |= {t for t in (happening.begin_s, happening.end_s) if begin <= t <= end}
     grid = np.array(sorted(times))
-    return grid, _amount(replace(context, now=grid[:, None]), atom)
+    return grid, _net(replace(context, now=grid[:, None]), atom)
 
 
 def _peak(context: Context, atom: str) -> Numbers:
@@ -184,7 +207,7 @@ def _speed(context: Context, atom: str) -> Numbers:
     if context.now is not None:
         return _rate(context, atom, context.now)
     # Of no way in particular all that it goes counts: there and back is no standing still.
-    way = _path(context, atom) if atom in (*p.COMPONENTS, "x", "y") else _amount(context, atom)
+    way = _path(context, atom) if atom in (*p.COMPONENTS, "x", "y") else _net(context, atom)
     if not context.worlds.is_timed:
         seconds = context.evidence.recording.seconds
         if not seconds:
@@ -205,7 +228,7 @@ def _rate(context: Context, atom: str, now: Floats) -> Numbers:
     worlds = context.timed()
     early = np.maximum(now - RATE_S / 2, worlds.begin_s)
     late = np.minimum(now + RATE_S / 2, worlds.end_s)
-    way = _amount(context.within(early, late), atom)
+    way = _net(context.within(early, late), atom)
     ticks = np.maximum(late - early, 1e-9) / clock_step(context)
     return way.also(way.values / ticks, unit=f"{way.unit}/{clock_unit(context)}",
                     tolerance=way.tolerance * clock_step(context) / RATE_S)  # fmt: skip
@@ -339,9 +362,22 @@ def _sum(sign: int):
 def _times(context: Context, left: Expression, right: Expression) -> Numbers:
     one, two = evaluate(left, context), evaluate(right, context)
     if one.unit and two.unit:
-        raise Untold("unit")
+        is_turn = one.unit.partition("/")[0] in p.UNITS["angle"]
+        return _arc(context, *((one, two) if is_turn else (two, one)))
     main, other = (one, two) if one.unit else (two, one)
     return main.also(main.values * other.values)
+
+
+def _arc(context: Context, turn: Numbers, radius: Numbers) -> Numbers:
+    """Return how far what turns goes at a radius, or how fast."""
+    top, gap, per = turn.unit.partition("/")
+    if top not in p.UNITS["angle"] or radius.unit not in p.UNITS["length"]:
+        raise Untold("unit")
+    turn = converted(context, turn, f"rad{gap}{per}")
+    return radius.also(
+        turn.values * radius.values, unit=f"{radius.unit}{gap}{per}",
+        tolerance=turn.tolerance * float(np.median(radius.values)), atom=None,
+    )  # fmt: skip
 
 
 def _over(context: Context, left: Expression, right: Expression) -> Numbers:
@@ -350,11 +386,19 @@ def _over(context: Context, left: Expression, right: Expression) -> Numbers:
     with np.errstate(divide="ignore", invalid="ignore"):
         if not two.unit:
             return one.also(one.values / np.where(two.values == 0, np.nan, two.values))
-        if two.unit in ("s", "frame") and one.unit not in ("s", "frame", ""):
-            return one.also(one.values / np.where(two.values == 0, np.nan, two.values),
-                            unit=f"{one.unit}/{two.unit}")  # fmt: skip
+        one = replace(one, unit=two.unit) if left.value is not None and not one.unit else one
+        if "/" not in one.unit + two.unit and _kind(one.unit) != _kind(two.unit):
+            over = np.where(two.values == 0, np.nan, two.values)
+            known = over[np.isfinite(over)]
+            size = float(np.median(np.abs(known))) if known.size else 1.0
+            return one.also(one.values / over, unit=f"{one.unit}/{two.unit}",
+                            tolerance=one.tolerance / size, atom=None)  # fmt: skip
         two = converted(scaled, two, one.unit)
         return Numbers(one.values / np.where(two.values == 0, np.nan, two.values), "", 0.05)
+
+
+def _kind(unit: str) -> str:
+    return next((kind for kind, units in p.UNITS.items() if unit in units), unit)
 
 
 def _percent_of(context: Context, part: Expression, whole: Expression) -> Numbers:
@@ -369,6 +413,64 @@ def _extreme(choose: Callable[[Floats, Floats], Floats]):
         return one.also(choose(one.values, two.values))
 
     return extreme
+
+
+def _over_events(combine: Callable[[Floats], Floats]):
+    def combined(context: Context, events: Expression, inner: Expression) -> Numbers:
+        found = evaluate(events, context)
+        parts = [
+            evaluate(inner, context.within(np.asarray(each.begin_s), np.asarray(each.end_s)))
+            for each in found.happenings
+        ]
+        if not parts:
+            raise Untold("none-such")
+        if len({each.unit for each in parts}) > 1:
+            raise Untold("unit")
+        values = np.stack([np.broadcast_to(each.values, (COUNT,)) for each in parts])
+        values = np.where(found.is_so, values, np.nan)
+        some = np.isfinite(values).any(axis=0)
+        combined = np.full(COUNT, np.nan)
+        combined[some] = combine(values[:, some])
+        return parts[0].also(combined)
+
+    return combined
+
+
+def _end(place: int):
+    def end(context: Context, inner: Expression) -> Numbers:
+        """Return one end of the span that a number is told with."""
+        numbers = evaluate(inner, context)
+        middle(context, numbers.values)
+        known = numbers.values[np.isfinite(numbers.values)]
+        return numbers.also(np.full(COUNT, np.quantile(known, SPAN[place])))
+
+    return end
+
+
+def _sigma(context: Context, inner: Expression) -> Numbers:
+    numbers = evaluate(inner, context)
+    middle(context, numbers.values)
+    spread = np.ptp(np.nanquantile(numbers.values, SPAN)) / (2 * SPAN_DEVIATIONS)
+    return numbers.also(np.full(COUNT, spread), atom=None)
+
+
+def _margin(context: Context, inner: Expression) -> Numbers:
+    """Return how far what is compared lies from what it is compared with."""
+    if inner.word in ("more", "less", "as-far"):
+        pair = (p.of("of-first", inner.arguments[0]), p.of("of-second", inner.arguments[0]))
+    elif inner.word in (">", "<", "=", "~"):
+        pair = inner.arguments
+    else:
+        raise Untold("unit")
+    return _mapped(context, np.abs, p.of("-", *pair))
+
+
+def _nearest(context: Context, step: Expression, inner: Expression) -> Numbers:
+    numbers = evaluate(inner, context)
+    one = evaluate(step, context)
+    step = np.abs((converted(context, one, numbers.unit) if one.unit else one).values)
+    step = np.where(step > 0, step, np.nan)
+    return numbers.also(np.round(numbers.values / step) * step)
 
 
 def _mapped(context: Context, change: Callable[[Floats], Floats], inner: Expression) -> Numbers:
@@ -397,6 +499,7 @@ PRIMITIVES |= {
     "in-unit": converted,
     "pi": _number(math.pi),
     "amount": _amount,
+    "net": _net,
     "path": _path,
     "peak": _peak,
     "speed": _speed,
@@ -429,6 +532,19 @@ PRIMITIVES |= {
     "unit": _in_unit,
     "per": _per,
     "round": lambda context, _, inner: evaluate(inner, context),
+    "nearest": _nearest,
+    "floor": lambda context, inner: _mapped(context, np.floor, inner),
+    "ceil": lambda context, inner: _mapped(context, np.ceil, inner),
+    "low": _end(0),
+    "high": _end(1),
+    "sigma": _sigma,
+    "margin": _margin,
+    "mean-of": _over_events(lambda values: np.nanmean(values, axis=0)),
+    "median-of": _over_events(lambda values: np.nanmedian(values, axis=0)),
+    "sum-of": _over_events(lambda values: np.nansum(values, axis=0)),
+    "most-of": _over_events(lambda values: np.nanmax(values, axis=0)),
+    "spread-of": _over_events(lambda values: np.nanstd(values, axis=0)),
+    "least-of": _over_events(lambda values: np.nanmin(values, axis=0)),
     "peak-time": _peak_time,
     "top-speed-time": lambda context, atom: np.full(
         COUNT, _fastest(context, _atom(context, atom))[0]

@@ -27,7 +27,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import measured, net
+from geotlm_lm.query.measures import SPAN, measured, net
 from geotlm_lm.query.program import UNITS, of
 from geotlm_lm.query.truths import trait
 from geotlm_lm.query.types import WAY_ATOMS
@@ -51,7 +51,7 @@ def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tupl
     known = is_so & np.isfinite(values)
     if known.mean() < 0.5:
         raise Untold(context.trace.reason or "none-such")
-    low, middle, high = np.quantile(values[known], (0.05, 0.5, 0.95))
+    low, middle, high = np.quantile(values[known], (SPAN[0], 0.5, SPAN[1]))
     if not numbers.unit and numbers.tolerance == 0:  # a count: the likeliest one
         counts, often = np.unique(values[known], return_counts=True)
         middle = counts[often.argmax()]
@@ -67,7 +67,7 @@ def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tupl
 
 def _decimals(unit: str, context: Context) -> int:
     """Return with how many decimals a time is told, so that no frame has that of another."""
-    if unit in ("frame", "ms"):
+    if unit in ("frame", "ms", "us"):
         return 0
     recording = context.evidence.recording
     step_s = recording.step_s or 1 / (recording.rate_hz or 1.0)

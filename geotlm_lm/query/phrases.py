@@ -25,9 +25,10 @@ UNSEEN = {
     Component.SLIDE: "how far along the edge cannot be seen",
     Component.PRESS: "how deep cannot be seen",
 }
-_UNITS = {"deg": "degrees", "rad": "radians", "turn": "turns", "inch": "inches", "frame": "frames",
-          "percent": "%"}  # fmt: skip
-_PER = {"s": "second", "min": "minute", "frame": "frame", "ms": "millisecond"}
+_UNITS = {"deg": "degrees", "rad": "radians", "gon": "gradians", "turn": "turns", "inch": "inches",
+          "frame": "frames", "percent": "%"}  # fmt: skip
+_PER = {"s": "second", "min": "minute", "frame": "frame", "ms": "millisecond", "deg": "degree",
+        "rad": "radian"}  # fmt: skip
 _IMAGE = {
     "mirror": "mirrored",
     "flip": "flipped upside down",
@@ -70,10 +71,10 @@ def joined(parts: Sequence[str]) -> str:
 
 def amount_phrase(amount: Measure, *, with_span: bool = False) -> str:
     """Return an amount with its unit: "12 degrees", "3.5 mm per second, likely 3 to 4"."""
-    text = f"{amount.value:g}{unit_phrase(amount)}"
+    text = f"{amount.figure}{unit_phrase(amount)}"
     low, high = amount.span
     is_spread = with_span and amount.deviation > 0 and low != high
-    return f"{text}, likely {low:g} to {high:g}" if is_spread else text
+    return f"{text}, likely {low:.10g} to {high:.10g}" if is_spread else text
 
 
 def unit_phrase(amount: Measure) -> str:
@@ -81,7 +82,7 @@ def unit_phrase(amount: Measure) -> str:
     unit, _, per = amount.unit.partition("/")
     name = _UNITS.get(unit, unit)
     if amount.value == 1:
-        name = name.removesuffix("s") if name not in ("s", "ms") else name
+        name = name.removesuffix("s") if name not in ("s", "ms", "us") else name
     per_phrase = f" per {_PER.get(per, per)}" if per else ""
     gap = "" if name in ("", "%") else " "
     return f"{gap}{name}{per_phrase}"
@@ -109,6 +110,13 @@ def movement_phrase(move: Movement) -> str:
     if move.amount is None:
         return f"{text} ({UNSEEN[move.component]})"
     return f"{text}, {'barely: ' * move.barely}about {amount_phrase(move.amount)}"
+
+
+def label_of(case: Case) -> str:
+    """Return what an option is called: its label, or what it says."""
+    if case.label is None:
+        return case_phrase(case)
+    return case.label if isinstance(case.label, str) else f"{case.label.value:g}"
 
 
 def case_phrase(case: Case) -> str:

@@ -31,8 +31,9 @@ MEASURED = (*COMPONENTS, *WAYS, "x", "y", "move")
 TRAITS = (*MEASURED, "tighten", "loosen", "still", "touch", "none")
 """What is so or not of a span: "still" that it touches and does not move."""
 
-KINDS = (*MEASURED, "still", "touch", "none", "slip", "pause", "reverse")
-"""What happens in a recording: "touch" and "none" that contact begins and ends, "still" a rest."""
+KINDS = (*MEASURED, "still", "touch", "none", "contact", "slip", "pause", "reverse", "any")
+"""What happens in a recording: "touch" and "none" that contact begins and ends, "contact" from one
+to the other, "still" a rest."""
 
 EVENTS = "-events"
 """Ends the word for all that happens of a kind: "cw-events"."""
@@ -45,10 +46,17 @@ COUNTS = tuple(map(str, range(13)))
 """Numbers that a program may spell, for "once" and "the second half"."""
 
 HALVES = ("upper", "lower", "left-half", "right-half")
-LABELS = (*"ABCDEF", *"123456", "-1", "0")
+LABELS = (
+    *("A", "B", "C", "D", "E", "F", "1", "2", "3", "4", "5", "6", "-1", "0"),
+    *("pass", "fail", "ok", "good", "bad", "yes", "no", "true", "false"),
+    *("high", "medium", "low", "large", "small", "fast", "slow"),
+)
 
-GOING = ("amount", "path", "peak", "speed", "top-speed")
-"""How far, or how fast, something goes."""
+GOING = ("amount", "net", "path", "peak", "speed", "top-speed")
+"""How far, or how fast, something goes; "amount" of what comes back is how far it got."""
+
+OVER_EVENTS = ("mean-of", "median-of", "sum-of", "most-of", "least-of", "spread-of")
+"""One number made of that of each event."""
 
 TWO_CLIPS = (
     *("same", "opposite", "mirrored", "more", "less", "as-far", "both", "either", "neither"),
@@ -58,9 +66,10 @@ TWO_CLIPS = (
 
 FORMS = (
     "sentence", "word", "letter", "number", "sign", "yes-no", "one-zero", "brief", "bare",
-    "one-sentence", "list", "table", "json", "csv", "pairs",
+    "one-sentence", "list", "table", "json", "csv", "pairs", "yaml", "tuple",
+    "brackets",
 )  # fmt: skip
-"""How an answer is written; "pairs" are lines of key=value."""
+"""How an answer is written; "pairs" are lines of key=value, a "tuple" is (1, 2), "brackets" [1]."""
 
 MOST_SLOTS = 9
 """Quantities, and words, of a text that a program can point at."""
@@ -69,7 +78,7 @@ _PLAIN = {
     "bool": {
         **{trait: () for trait in TRAITS},
         "not": ("bool",),
-        **{joint: ("bool", "bool") for joint in ("and", "or")},
+        **{joint: ("bool", "bool") for joint in ("and", "or", "xor")},
         **{sign: ("number", "number") for sign in (">", "<", "=", "~")},
         "in-range": ("number", "number", "number"),
         **{change: ("of",) for change in ("speeds-up", "slows-down")},
@@ -97,10 +106,14 @@ _PLAIN = {
         **{size: () for size in ("frame-width", "frame-height")},
         "chance": ("bool",),
         **{sign: ("number", "number") for sign in ("+", "-", "*", "/", "percent-of", "min", "max")},
-        **{how: ("number",) for how in ("abs", "negate")},
+        **{how: ("number",) for how in ("abs", "negate", "floor", "ceil")},
+        **{how: ("number",) for how in ("low", "high", "sigma")},  # of its span
+        "margin": ("bool",),  # how far the two sides of a comparison lie apart
+        **{how: ("events", "number") for how in OVER_EVENTS},
         "unit": ("unit", "number"),
         "per": ("per", "number"),
         "round": ("decimals", "number"),
+        "nearest": ("number", "number"),  # "to the nearest 5 degrees"
     },
     "time": {
         "t": ("number",),
@@ -108,6 +121,7 @@ _PLAIN = {
         **{shift: ("time", "number") for shift in ("later", "earlier")},
         **{which: ("bool",) for which in ("first-time", "last-time")},
         **{which: ("of",) for which in ("peak-time", "top-speed-time")},
+        "then": (),  # the moment that was spoken of last
     },
     "event": {
         **{which: ("events",) for which in ("first", "last", "largest", "longest", "fastest")},
@@ -126,7 +140,12 @@ _PLAIN = {
         "part": ("number", "number", "span"),  # "part 2 2 contact": its second half
         "around": ("time", "number"),
     },
-    "events": {**{f"{kind}{EVENTS}": () for kind in KINDS}, "such": ("bool", "events")},
+    "events": {
+        **{f"{kind}{EVENTS}": () for kind in KINDS},
+        "such": ("bool", "events"),
+        "gaps": ("events",),  # the times between them
+        "those": (),  # of the kind that was spoken of last
+    },
     "way": {"way": ("asked",), **{what: () for what in ("kind", "extent", "story")}},
     "label": {
         **{which: ("cases",) for which in ("choose", "choose-not")},
@@ -153,6 +172,7 @@ _PLAIN = {
 
 NAMES = {
     "of": MEASURED,
+    "what": (*MEASURED, *GOING),
     "half": HALVES,
     "asked": ASKED,
     "unit": tuple(unit for units in UNITS.values() for unit in units),
@@ -174,8 +194,13 @@ _WRAPPERS: Mapping[str, tuple[str, ...]] = {
     **{mover: ("*",) for mover in ("as-object", "as-sensor")},  # whatever it was before
     "again": (),  # what was asked last
     "plain": ("*",),  # without the views and spans that were asked for before
+    "instead": ("what", "*"),  # the same of something else: "and the slide?", "and how fast?"
+    "with": ("number", "*"),  # the same with another number: "I meant 50"
 }
 """Primitives that give whatever type is wanted, "*"."""
+
+LEANING = ("it", "then", "those", "instead", "with")
+"""What is spelled out by what was asked before, beside "again"."""
 
 _ANSWERS = ("bool", "number", "time", "event", "way", "label", "record", "talk")
 """Types of what can be asked for."""
@@ -321,7 +346,7 @@ def asks_of_two(expression: Expression) -> bool:
 
 def measure_of(number: Expression) -> Expression:
     """Return what a number measures, without the unit and the rounding around it."""
-    while number.word in ("unit", "per", "round", "abs"):
+    while number.word in ("unit", "per", "round", "nearest", "floor", "ceil", "abs"):
         number = number.arguments[-1]
     return number
 

@@ -16,14 +16,20 @@ from geotlm_lm.core.files import resource_dir
 from geotlm_lm.query.types import Quantity
 
 FACTORS = {
-    "angle": {"deg": 1.0, "rad": 57.29577951308232, "turn": 360.0, "arcmin": 1 / 60},
-    "length": {"mm": 1.0, "cm": 10.0, "um": 0.001, "inch": 25.4, "thou": 0.0254},
-    "time": {"s": 1.0, "ms": 0.001, "min": 60.0},
+    "angle": {
+        **{"deg": 1.0, "rad": 57.29577951308232, "mrad": 0.05729577951308232},
+        **{"gon": 0.9, "turn": 360.0, "arcmin": 1 / 60},
+    },
+    "length": {"mm": 1.0, "cm": 10.0, "m": 1000.0, "um": 0.001, "inch": 25.4, "thou": 0.0254},
+    "time": {"s": 1.0, "ms": 0.001, "us": 1e-6, "min": 60.0},
 }
 """How many degrees, millimetres or seconds a unit is; a pixel's and a frame's size varies."""
 
 LARGEST = 1e12
 """Beyond every turn, length and time: a larger number is taken for this one."""
+
+LEAST_BARE = 13
+"""Number in words from which on it counts whatever follows it: "more than thirty"."""
 
 _FIGURE = re.compile(r"[-+−]?(?:\d+(?:[.,]\d+)*|[.,]\d+)(?:\s*/\s*\d+)?")
 _CLOCK = re.compile(r"(\d{1,3}):([0-5]\d(?:\.\d+)?)(?![\d:])")
@@ -39,7 +45,10 @@ _PER = ("per", "/", "a", "an", "each", "every", "for", "to", "in", "the", "one")
 _PER_FRAME = ("per", "/", "a", "an", "each", "every", "one")
 """The same right before a frame: "5 mm in the image" is a place."""
 _RATES = ("s", "min", "frame", "px", "mm", "ms", "cm", "inch")
-_ORDINAL = re.compile(r"(?:st|nd|rd|th)\b", re.IGNORECASE)
+_ORDINAL = re.compile(r"(?:st|nd|rd|th)\b(?!\s+frames?\b)", re.IGNORECASE)
+_NUMBERED = re.compile(r"(?:st|nd|rd|th)(?=\s+frames?\b)", re.IGNORECASE)
+_SHORT_FRAME = re.compile(r"(?<![\w.])f$", re.IGNORECASE)
+"""What stands before the number of a frame: "f30"."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +126,10 @@ def _scale(one: Stated, other: Stated, text: str) -> Stated | None:
 
 
 def _figure_at(text: str, at: int) -> Stated | None:
+    is_frame = _SHORT_FRAME.search(text[:at]) is not None and text[at].isdigit()
     is_inside = at > 0 and (text[at - 1].isalnum() or text[at - 1] == ".")
+    if is_frame and (match := re.compile(r"\d+\b").match(text, at)):
+        return Stated(Quantity(float(match[0]), "frame"), at, match.end())
     if is_inside and text[at - 2 : at] != "..":  # "2..4.5" are two
         return None
     if clock := _CLOCK.match(text, at):
@@ -130,10 +142,14 @@ def _figure_at(text: str, at: int) -> Stated | None:
     figure = match[0]
     if figure[0] in "-+−" and at > 0 and not text[at - 1].isspace() and text[at - 1] not in "(=<>:":
         return None  # a range's dash; its number is found behind it
-    value = _value(figure)
+    value, end = _value(figure), match.end()
+    if value is None:  # "1/0", "0.2,0.7"
+        figure = re.split(r"[/,]", figure)[0].rstrip()
+        value, end = _value(figure), at + len(figure)
     if value is None:
         return None
-    end = match.end()
+    if _NUMBERED.match(text, end):  # "the 30th frame"
+        return Stated(Quantity(value, "frame"), at, _unit_at(text, end + 2)[1])
     mixed = re.compile(r"\s+(\d+)\s*/\s*(\d+)").match(text, end)
     part = _value(f"{mixed[1]}/{mixed[2]}") if mixed and "/" not in figure else None
     if part is not None:
@@ -171,10 +187,15 @@ def _words_at(text: str, at: int) -> Stated | None:
     if value is None:
         return None
     unit, last = _unit_at(text, end, may_join=True)
+    is_ordinal = unit == "s" and text[end:last].strip().lower() == "second"
+    if is_ordinal and _next_word(text, last)[0] in _told()["second"]["nouns"]:  # "a second time"
+        return None
     if unit:
         return Stated(Quantity(value, unit), at, last)
     if _follows_frame(text, at):
         return Stated(Quantity(value, "frame"), at, end)
+    if value >= LEAST_BARE:
+        return Stated(Quantity(value, ""), at, end)
     if value < 2:
         return None
     joint, after = _next_word(text, end)
@@ -252,7 +273,7 @@ def _next_word(text: str, at: int) -> tuple[str | None, int]:
 def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
     """Return the unit that follows a number, with what it is per, and where it ends."""
     if may_join:  # "half a turn", "a quarter of a turn", "a quarter turn"
-        for words in (("of", "a"), ("of", "the"), ("of",), ("a",), ("an",), ("full",), ("-",)):
+        for words in (("of", "a"), ("of",), ("a",), ("an",), ("full",), ("-",)):
             place = at
             for expected in words:
                 word, after = _next_word(text, place)

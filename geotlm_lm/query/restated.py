@@ -35,12 +35,13 @@ _NOUNS = {
     "up": "slides up", "down": "slides down", "in": "presses", "out": "lift-offs",
     "x": "slides along x", "y": "slides along y", "move": "motions", "still": "rests",
     "touch": "touches", "none": "releases", "slip": "slips", "pause": "pauses",
-    "reverse": "reversals",
+    "reverse": "reversals", "contact": "contacts", "any": "events",
 }  # fmt: skip
 """What happens, as a noun."""
 
 _PHRASES = {
     "not": "it is not so that {0}", "and": "{0} and {1}", "or": "{0} or {1}",
+    "xor": "either {0} or {1}, not both",
     ">": "{0} is more than {1}", "<": "{0} is less than {1}", "=": "{0} is {1}",
     "~": "{0} is about {1}", "in-range": "{0} is between {1} and {2}",
     "speeds-up": "{0} and gets faster", "slows-down": "{0} and gets slower",
@@ -53,6 +54,7 @@ _PHRASES = {
     "either": "in either clip {0}", "neither": "in neither clip {0}",
     "only-one": "in just one clip {0}",
     "amount": "how far {0}", "path": "how far {0}, there and back", "peak": "how far {0} at most",
+    "net": "how far {0} net",
     "speed": "how fast {0}", "top-speed": "how fast {0} at most",
     "limit": "how little could be seen where {0}", "length": "how long {0} takes",
     "lasts": "how long the {0} take", "time-while": "for how long {0}",
@@ -65,6 +67,14 @@ _PHRASES = {
     "+": "{0} plus {1}", "-": "{0} minus {1}", "*": "{0} times {1}", "/": "{0} over {1}",
     "percent-of": "{0} in percent of {1}", "min": "the lesser of {0} and {1}",
     "max": "the greater of {0} and {1}", "abs": "the size of {0}", "negate": "minus {0}",
+    "floor": "{0}, rounded down", "ceil": "{0}, rounded up", "sigma": "the deviation of {0}",
+    "margin": "how far it is from it that {0}", "spread-of": "the deviation over the {0} of {1}",
+    "then": "that moment", "those": "those", "gaps": "times between the {0}",
+    "instead": "{1}, but of the {0}", "with": "{1}, but with {0}",
+    "low": "the least that may be {0}", "high": "the most that may be {0}",
+    "mean-of": "the mean over the {0} of {1}", "median-of": "the median over the {0} of {1}",
+    "sum-of": "the sum over the {0} of {1}", "most-of": "the greatest over the {0} of {1}",
+    "least-of": "the least over the {0} of {1}", "nearest": "{1}, to the nearest {0}",
     "unit": "{1}, in {0}", "per": "{1}, {0}", "round": "{1}, to {0} decimals",
     "t": "{0}", "begin": "the begin of {0}", "end": "the end of {0}", "later": "{1} after {0}",
     "earlier": "{1} before {0}", "first-time": "when first {0}", "last-time": "when last {0}",
@@ -102,6 +112,9 @@ _PHRASES = {
     "undo": "{0}, to undo it", "sensor": "{0}, of the sensor's own motion",
 }  # fmt: skip
 """Every primitive with its arguments' words in their places."""
+
+_UNIT = "turns"
+"""The unit's name, which what moves is called as well."""
 
 _ASKED = {"all": "it moves", "thread": "it tightens or loosens", "sign": "it turns, as a sign"}
 
@@ -157,7 +170,9 @@ def phrase(value: Any) -> str:
         return f"{_SO[atom]} by {how.get(word, '')}{' and '.join(numbers)}"
     if not value.arguments and word in _SO:
         return _SO[word]
-    return _PHRASES.get(word, word).format(*map(phrase, value.arguments))
+    arguments = [_UNIT if each == "turn" and word == "unit" else phrase(each)
+                 for each in value.arguments]  # fmt: skip
+    return _PHRASES.get(word, word).format(*arguments)
 
 
 def _number(value: Any) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -193,8 +194,9 @@ _SIDES = {"x": ("left", "right"), "y": ("up", "down")}
 
 def _of_kind(worlds: Worlds, kind: str) -> Iterator[tuple[Happening, Bools]]:
     """Yield happenings, and in which worlds each is of a kind."""
-    if kind == "pause":
-        yield from ((pause, pause.is_real) for pause in _pauses(worlds))
+    if kind in ("pause", "contact"):
+        spans = _pauses(worlds) if kind == "pause" else _contacts(worlds)
+        yield from ((span, span.is_real) for span in spans)
         return
     before = np.zeros(COUNT)
     for happening in worlds.happenings:
@@ -209,6 +211,8 @@ def _of_kind(worlds: Worlds, kind: str) -> Iterator[tuple[Happening, Bools]]:
         elif kind == "none":
             if happening.kind is EventKind.RELEASE and _lets_go(worlds, happening):
                 yield happening, happening.is_real
+        elif kind == "any":
+            yield happening, happening.is_real
         elif kind in WAY or kind in _SIDES:
             ways = [way for way in _SIDES.get(kind, (kind,)) if WAY[way][0] is happening.component]
             if ways:
@@ -250,6 +254,25 @@ def _pauses(worlds: Worlds) -> list[Happening]:
     whole = (min(begin for begin, _ in moving), max(end for _, end in moving))
     return [replace(instant(EventKind.STICK, begin, worlds.touches), end_s=end)
              for begin, end in gaps(moving, whole)]  # fmt: skip
+
+
+def _contacts(worlds: Worlds) -> list[Happening]:
+    return [replace(instant(EventKind.TOUCH, begin, worlds.touches), end_s=end)
+            for begin, end in worlds.contacts]  # fmt: skip
+
+
+def _gaps(context: Context, inner: Expression) -> Events:
+    """Return the times between what likely happens of some events."""
+    events = evaluate(inner, context)
+    likely = [each for each, is_so in zip(events.happenings, events.is_so, strict=True)
+              if is_so.mean() >= 0.5]  # fmt: skip
+    spans = [
+        replace(instant(EventKind.STICK, one.end_s, one.is_real & two.is_real), end_s=two.begin_s)
+        for one, two in pairwise(likely)
+        if two.begin_s > one.end_s
+    ]
+    masks = np.array([each.is_real for each in spans], dtype=bool)
+    return Events(tuple(spans), masks.reshape(len(spans), COUNT))
 
 
 def _such(context: Context, condition: Expression, inner: Expression) -> Events:
@@ -331,12 +354,12 @@ def _beside(context: Context, inner: Expression, others: Expression, *, is_next:
     return _picked(context, events, np.where(is_it.any(axis=0), place, -1))
 
 
-def _nothing_before(_: Context) -> Spot:
+def _nothing_before(_: Context, *__: Expression) -> Spot:
     raise Untold("before")
 
 
 PRIMITIVES |= {
-    "it": _nothing_before,
+    **{word: _nothing_before for word in p.LEANING},
     "t": _moment,
     "begin": _edge("begin"),
     "end": _edge("end"),
@@ -362,5 +385,6 @@ PRIMITIVES |= {
     "next": lambda context, one, others: _beside(context, one, others, is_next=True),
     "previous": lambda context, one, others: _beside(context, one, others, is_next=False),
     "such": _such,
+    "gaps": _gaps,
     **{f"{kind}{p.EVENTS}": _events(kind) for kind in p.KINDS},
 }

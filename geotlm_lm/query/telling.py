@@ -20,9 +20,9 @@ from geotlm_lm.query.phrases import (
     TRAIT_WORDS,
     all_of,
     amount_phrase,
-    case_phrase,
     file_phrase,
     joined,
+    label_of,
     limit_phrase,
     movement_phrase,
     opposite_phrase,
@@ -37,6 +37,7 @@ from geotlm_lm.query.values import (
     Amount,
     Choice,
     Moved,
+    Movement,
     Placed,
     Record,
     Remark,
@@ -156,12 +157,15 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
     if value.times_s:
         return f"at {joined([teller.moment(each) for each in value.times_s[:3]])}"
     if value.amounts:
-        first = value.amounts[0]
+        compared = value.amounts[0]
+        first = compared.amount
         way = WAY_ATOMS.get(first.atom)
         if way is not None and first.value < 0:  # the other way
             first = replace(first, mean=-first.mean)
             return f"about {amount_phrase(first)} {opposite_phrase(way)}"
         text = f"{'about ' * (first.deviation > 0)}{amount_phrase(first)}"
+        if compared.at_s is not None:
+            return f"{text} at most, at {teller.moment(compared.at_s)}"
         moves = value.motion.movements if value.motion is not None else ()
         path = next((move.path for move in moves if move.path is not None), None)
         is_net = path is not None and path.atom == first.atom
@@ -264,11 +268,14 @@ def _amount(teller: Teller, value: Amount) -> str:
     text = f"{'' if is_exact else 'about '}{amount_phrase(amount, with_span=True)}"
     if head.word == "count":
         return f"{amount.value:g} {'time' if amount.value == 1 else 'times'}"
-    if value.at_s is not None:
-        text += f", at {teller.moment(value.at_s)}"
     head = measure_of(head)
+    if value.at_s is not None:
+        at_most = " at most" * (head.word == "amount")
+        text += f"{at_most}, at {teller.moment(value.at_s)}"
     is_back = motion is not None and any(move.path is not None for move in motion.movements)
-    is_of_a_way = head.word in ("amount", "speed") or (
+    if is_back and head.word == "amount" and value.at_s is not None:
+        return f"{text}; {_net(motion.movements[0])}"
+    is_of_a_way = head.word in ("amount", "net", "speed") or (
         head.word in ("peak", "top-speed") and not is_back
     )
     if is_of_a_way and motion is not None and motion.movements:
@@ -276,9 +283,14 @@ def _amount(teller: Teller, value: Amount) -> str:
         named = joined([way_phrase(move) for move in motion.movements])
         text += f": {named}{teller.where(motion, ways)}"
         path = motion.movements[0].path
-        if head.word == "amount" and path is not None:
+        if head.word in ("amount", "net") and path is not None:
             text = f"net {text}; {amount_phrase(path)} there and back"
     return f"{text}, there and back together" if head.word == "path" else text
+
+
+def _net(move: Movement) -> str:
+    """Return what is left of a motion that came back: "net 2 degrees counterclockwise"."""
+    return f"net {amount_phrase(move.amount)} {move.way.value}" if move.amount else "and back"
 
 
 def _times(teller: Teller, value: Times) -> str:
@@ -374,7 +386,7 @@ def _choice(teller: Teller, value: Choice) -> str:
         reason = f": {_each(teller, value.each)}" if value.each else ""
         return f"{which or 'neither'}{reason}"
     cases = [head.arguments[0][place] for place in value.chosen]
-    names = [str(case.label) if case.label is not None else case_phrase(case) for case in cases]
+    names = list(map(label_of, cases))
     if head.word == "choose-not":
         return f"not {joined(names)}" if names else "none of them can be ruled out"
     if not names:

@@ -281,6 +281,7 @@ PRIMITIVES |= {
     "not": _not,
     "and": _and,
     "or": _or,
+    "xor": lambda context, one, two: np.abs(evaluate(one, context) - evaluate(two, context)),
     ">": _relation(np.greater),
     "<": _relation(np.less),
     "=": _relation(np.isclose),

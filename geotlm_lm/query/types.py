@@ -19,9 +19,9 @@ WAY_ATOMS = {
 """Words of programs for ways, and the motions that they are."""
 
 UNITS = {
-    "angle": ("deg", "rad", "turn", "arcmin"),
-    "length": ("px", "mm", "cm", "um", "inch", "thou"),
-    "time": ("s", "ms", "min", "frame"),
+    "angle": ("deg", "rad", "mrad", "gon", "turn", "arcmin"),
+    "length": ("px", "mm", "cm", "m", "um", "inch", "thou"),
+    "time": ("s", "ms", "us", "min", "frame"),
     "share": ("percent",),
 }
 

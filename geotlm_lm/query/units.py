@@ -34,6 +34,7 @@ def scale_of(context: Context) -> tuple[str, tuple[float, float]]:
 
 def compared(context: Context, left: Expression, right: Expression) -> tuple[Numbers, Numbers]:
     """Return two numbers in one unit: that of a constant where one is, else of the first."""
+    left, right = _counted(left, right), _counted(right, left)
     scaled = in_length_of(context, left, right)
     one, two = evaluate(left, scaled), evaluate(right, scaled)
     if left.value is not None and right.value is None:
@@ -42,9 +43,17 @@ def compared(context: Context, left: Expression, right: Expression) -> tuple[Num
     return _alike(scaled, one, two)
 
 
+def _counted(number: Expression, beside: Expression) -> Expression:
+    """Return "three turns" as three where it stands beside a count."""
+    is_turns = isinstance(number.value, Quantity) and number.value.unit == "turn"
+    is_count = p.head_of(p.measure_of(p.head_of(beside))).word == "count"
+    return p.number(number.value.value) if is_turns and is_count else number
+
+
 def _alike(context: Context, one: Numbers, two: Numbers) -> tuple[Numbers, Numbers]:
     if not two.unit and one.unit:
-        return one, replace(two, unit=one.unit)
+        is_part = one.unit == "percent" and two.tolerance == 0 and np.max(two.values) <= 1
+        return one, replace(two, unit=one.unit, values=two.values * (100 if is_part else 1))
     if not one.unit and two.unit:
         return replace(one, unit=two.unit), two
     return one, converted(context, two, one.unit)

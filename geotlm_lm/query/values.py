@@ -85,7 +85,7 @@ class Truth(Value):
     holds: bool
     chance: float  # that it holds
     motion: Moved | None = None
-    amounts: tuple[Measure, ...] = ()
+    amounts: tuple[Amount, ...] = ()  # that are compared
     times_s: tuple[float, ...] = ()  # of what happens, or is put in order
     each: tuple[Value, ...] = ()  # of two clips that are compared
 
@@ -96,7 +96,7 @@ class Amount(Value):
 
     amount: Measure
     motion: Moved | None = None
-    at_s: float | None = None  # when, of a greatest one
+    at_s: float | None = None  # when, of a greatest one or of what comes back
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,8 +11,8 @@ from typing import Any
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.phrases import amount_phrase, case_phrase, joined
-from geotlm_lm.query.program import Case, head_of, measure_of
+from geotlm_lm.query.phrases import amount_phrase, joined, label_of
+from geotlm_lm.query.program import Case, head_of, measure_of, type_of
 from geotlm_lm.query.telling import MOVING, Teller, Wording
 from geotlm_lm.query.values import (
     Amount,
@@ -27,6 +27,8 @@ from geotlm_lm.query.values import (
 )
 
 POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
+_BETWEEN = {"pairs": "=", "yaml": ": "}
+_AROUND = {"tuple": "()", "brackets": "[]"}
 ONE_WORDS = {Component.TURN: "rotation", Component.SLIDE: "slide", Component.PRESS: "press"}
 
 
@@ -41,7 +43,7 @@ def worded(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0
     """
     if form == "json":
         return Wording(json.dumps(as_json(values, teller, sure)), teller.named)
-    if form in ("csv", "pairs"):
+    if form in ("csv", *_BETWEEN, *_AROUND):
         return Wording(_template(values, form, teller), teller.named)
     if form in ("list", "table"):
         return _listed(values, form, teller)
@@ -59,6 +61,9 @@ def shortened(value: Value, form: str, teller: Teller) -> str | None:
     """Return a value in a short form; None where it has none."""
     if not value.is_known or form in ("sentence", "one-sentence"):
         return None
+    if isinstance(value, Record) and form in ("one-zero", "number", "sign"):
+        parts = [shortened(each, form, teller) for _, each in value.fields]
+        return ", ".join(parts) if parts and None not in parts else None
     if form == "one-zero":
         return str(int(value.holds)) if isinstance(value, Truth) else None
     if form == "sign":
@@ -73,9 +78,16 @@ def shortened(value: Value, form: str, teller: Teller) -> str | None:
     return word if form == "bare" else f"{word[:1].upper()}{word[1:]}."
 
 
+def _is_unmoved(value: Value) -> bool:
+    """Tell whether how far something goes came to nothing: it does not move."""
+    return isinstance(value, Moved) and type_of(value.of) == "number"
+
+
 def _number(value: Value) -> str | None:
+    if _is_unmoved(value):
+        return "0"
     if isinstance(value, Amount):
-        return f"{value.amount.value:g}"
+        return value.amount.figure
     if isinstance(value, Times) and len(value.times_s) == 1:
         return f"{value.times_s[0]:g}"
     return f"{value.probability:.2g}" if head_of(value.of).word == "sure" else None
@@ -88,7 +100,7 @@ def decided(value: Value, teller: Teller) -> str | None:
     if isinstance(value, Choice):
         return _chosen(value)
     if isinstance(value, Amount):
-        return f"{value.amount.value:g}" if not value.amount.unit else value.amount.word
+        return value.amount.word if value.amount.unit else value.amount.figure
     if isinstance(value, Times):
         return joined([teller.moment(each) for each in value.times_s]) if value.times_s else "never"
     if isinstance(value, Record):
@@ -105,14 +117,7 @@ def _chosen(value: Choice) -> str | None:
         return " and ".join(("first", "second")[place] for place in value.chosen) or "neither"
     cases: tuple[Case, ...] = head.arguments[0]
     chosen = [cases[place] for place in value.chosen]
-    return " and ".join(label(case) for case in chosen) or "none"
-
-
-def label(case: Case) -> str:
-    """Return what an option is called: its label, or what it says."""
-    if case.label is None:
-        return case_phrase(case)
-    return case.label if isinstance(case.label, str) else f"{case.label.value:g}"
+    return " and ".join(label_of(case) for case in chosen) or "none"
 
 
 def _motion(value: Moved) -> str | None:
@@ -142,6 +147,8 @@ def plain(value: Value, teller: Teller) -> Any:
     """Return a value as plain JSON: true, 26.0, "clockwise"; null where it cannot be told."""
     if not value.is_known:
         return None
+    if _is_unmoved(value):
+        return 0.0
     if isinstance(value, Truth):
         return value.holds
     if isinstance(value, Amount):
@@ -207,17 +214,39 @@ def name_of(value: Value) -> str:
     )
 
 
+def _rows(values: Sequence[Value]) -> list[dict[str, Any]]:
+    """Return a story, or a record of each event, as rows of cells by column; else none."""
+    if len(values) != 1:
+        return []
+    (value,) = values
+    if isinstance(value, Moved) and head_of(value.of).word == "story":
+        return [dict.fromkeys(("kind", "way", "begin_s", "end_s", "value", "unit")) | _event(each)
+                for each in value.shown]  # fmt: skip
+    parts = [each for _, each in value.fields] if isinstance(value, Record) else []
+    if not parts or not all(isinstance(each, Record) for each in parts):
+        return []
+    return [{key or name_of(each): each for key, each in part.fields} for part in parts]
+
+
 def _template(values: Sequence[Value], form: str, teller: Teller) -> str:
+    if form == "csv" and (rows := _rows(values)):
+        cells = [[_cell(each, teller) if isinstance(each, Value) else each
+                  for each in row.values()] for row in rows]  # fmt: skip
+        return _csv([[*rows[0]], *cells])
     fields = _fields(values)
     words = [_cell(value, teller) for _, value in fields]
+    if form in _AROUND:
+        return ", ".join(words).join(_AROUND[form])
     keys = [key or name_of(value) for key, value in fields]
-    if form == "pairs":
-        return "\n".join(f"{key}={word}" for key, word in zip(keys, words, strict=True))
+    if form in _BETWEEN:
+        return "\n".join(
+            f"{key}{_BETWEEN[form]}{word}" for key, word in zip(keys, words, strict=True)
+        )
     rows = [keys, words] if any(key for key, _ in fields) else [words]
     return _csv(rows)
 
 
-def _csv(rows: Sequence[Sequence[str]]) -> str:
+def _csv(rows: Sequence[Sequence[Any]]) -> str:
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(rows)
     return text.getvalue().rstrip("\n")
@@ -229,7 +258,11 @@ def _cell(value: Value, teller: Teller) -> str:
         return ""
     if isinstance(cell, bool):
         return "1" if cell else "0"
-    return f"{cell:g}" if isinstance(cell, float | int) else str(cell)
+    if isinstance(value, Amount):
+        return value.amount.figure
+    if isinstance(cell, list):
+        return ", ".join(map(str, cell))
+    return f"{cell:.10g}" if isinstance(cell, float | int) else str(cell)
 
 
 def _listed(values: Sequence[Value], form: str, teller: Teller) -> Wording:
@@ -241,6 +274,9 @@ def _listed(values: Sequence[Value], form: str, teller: Teller) -> Wording:
                 far = "" if each.amount is None else amount_phrase(each.amount)
                 way = each.way.value if each.kind in MOVING else ""
                 lines.append([teller.span((each.begin_s, each.end_s)), each.kind.value, way, far])
+        elif isinstance(value, Record) and _rows([value]):
+            lines += [[decided(each, teller) or "" for each in row.values()]
+                      for row in _rows([value])]  # fmt: skip
         elif isinstance(value, Record):
             lines += [[key or "", decided(each, teller) or ""] for key, each in value.fields]
         else:

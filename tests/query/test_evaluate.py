@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.query import evaluate as evaluating
 from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
@@ -177,6 +178,24 @@ def test_a_share_is_a_time_over_a_time():
     ("clock first-time > amount cw 30.0:deg", 1.75, "s"),
     ("time-while not turn", 1.0, "s"),
     ("if > amount cw 60.0:deg 1 0", 1, ""),
+    ("mean-of turn-events amount turn", 95 / 3, "deg"),
+    ("median-of turn-events amount turn", 40, "deg"),
+    ("sum-of turn-events amount turn", 95, "deg"),
+    ("most-of turn-events amount turn", 40, "deg"),
+    ("least-of turn-events amount turn", 15, "deg"),
+    ("spread-of turn-events amount turn", 11.79, "deg"),
+    ("nearest 20.0: amount cw", 60, "deg"),
+    ("floor / amount cw 10", 6, "deg"),
+    ("ceil / amount cw 10", 7, "deg"),
+    ("margin > amount cw 30.0:deg", 35, "deg"),
+    ("/ count turn-events length contact", 0.75, "/s"),
+    ("per per-min / count turn-events length contact", 45, "/min"),
+    ("/ amount cw length contact", 16.25, "deg/s"),
+    ("* amount cw 10.0:mm", 11.34, "mm"),
+    ("* unit rad amount cw 10.0:mm", 11.34, "mm"),
+    ("unit mrad amount cw", 1134, "mrad"),
+    ("count contact-events", 1, ""),
+    ("count gaps touch-events", 0, ""),
 ])  # fmt: skip
 def test_numbers_of_a_recording(line, value, unit):
     found = told(line)
@@ -198,6 +217,9 @@ def test_numbers_of_a_recording(line, value, unit):
     ("at t 1.5:s turn", True),
     ("before begin first cw-events begin first ccw-events", True),
     ("= count turn-events 3", True),
+    ("= count turn-events 3.0:turn", True),
+    ("xor cw ccw", True),
+    ("xor cw happens ccw-events", False),
     ("and > amount cw 50.0:deg < amount cw 80.0:deg", True),
     ("in-range amount turn 50.0: 80.0:deg", True),
     ("happens such > length here 0.5:s still-events", True),
@@ -208,6 +230,24 @@ def test_truths_of_a_recording(line, holds):
     assert isinstance(found, Truth)
     assert found.holds is holds
     assert found.probability > 0.8
+
+
+def test_what_comes_back_is_as_far_as_it_got():
+    clip = of_track(turning([40.0, -38.0]))
+    far = told("amount turn", clip)
+    assert far.amount.mean == pytest.approx(40, rel=0.04)
+    assert far.at_s == pytest.approx(2.0)
+    assert told("net turn", clip).amount.mean == pytest.approx(2, abs=0.5)
+    assert told("> amount turn 30.0:deg", clip).holds
+    assert told("amount cw", clip).amount.mean == pytest.approx(2, abs=0.5)
+
+
+def test_the_ends_of_a_number_lie_as_far_apart_as_its_span():
+    low, high, deviation = (
+        told(f"{end} amount cw").amount.mean for end in ("low", "high", "sigma")
+    )  # fmt: skip
+    assert low < told("amount cw").amount.mean < high
+    assert deviation == pytest.approx((high - low) / (2 * SPAN_DEVIATIONS))
 
 
 def test_moments_of_a_recording():

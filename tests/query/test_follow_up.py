@@ -38,6 +38,33 @@ def spelled(now: str, before: str) -> str:
     ("turn", "again ; as json", "turn ; as json"),
     ("turn", "fact mirrored ; again", "fact mirrored ; turn"),
     ("turn", "slide", "slide"),
+    ("> amount slide 10.0:px", "> again 30.0:px", "> amount slide 30.0:px"),
+    ("> amount slide 10.0:px", "with 30.0:px again", "> amount slide 30.0:px"),
+    ("in-range amount turn 5.0:deg 9.0:deg", "with 7.0:deg again",
+     "in-range amount turn 7.0:deg 9.0:deg"),
+    ("way turn", "instead slide again", "way slide"),
+    ("way all", "instead up again", "up"),
+    ("within final 0.2:s contact amount turn", "instead slide again",
+     "within final 0.2:s contact amount slide"),
+    ("count cw-events", "instead ccw again", "count ccw-events"),
+    ("amount turn", "instead speed again", "speed turn"),
+    ("way turn", "instead speed again", "speed turn"),
+    ("mirror cw", "instead amount again", "mirror amount cw"),
+    ("> amount turn 30.0:deg", "margin again", "margin > amount turn 30.0:deg"),
+    ("begin first turn-events", "count those", "count turn-events"),
+    ("slide", "begins those", "begins slide-events"),
+    ("peak turn", "at then slide", "at peak-time turn slide"),
+    ("at t 1.0:s turn", "within until then amount turn", "within until t 1.0:s amount turn"),
+    ("touch", "count those", "count touch-events"),
+    ("story", "instead turn again", "way turn"),
+    ("happens slide-events", "instead amount again", "amount slide"),
+    ("high amount turn", "low again", "low amount turn"),
+    ("> amount turn 30.0:deg", "unit deg margin again",
+     "unit deg margin > amount turn 30.0:deg"),
+    ("touch", "length it", "length contact"),
+    ("tighten", "begin it", "begin largest turn-events"),
+    ("within first move-events way all", "within since end it again",
+     "within since end first move-events way all"),
 ])  # fmt: skip
 def test_a_follow_up_is_spelled_out(before, now, meant):
     assert spelled(now, before) == meant
@@ -60,7 +87,11 @@ def test_the_same_again_is_what_was_asked(expression):
 @settings(max_examples=60, deadline=None)
 def test_whatever_was_asked_can_be_leaned_on(expression):
     before = Program((expression,))
-    asked = ("unit deg again", "> again 20.0:deg", "length it", "within recording again", "it")
+    asked = (
+        *("unit deg again", "> again 20.0:deg", "length it", "within recording again", "it"),
+        *("instead slide again", "instead speed again", "with 5.0:deg again", "count those"),
+        "at then turn",
+    )
     for now in asked:
         found = resumed(read(now), before)
         assert write(read(write(found))) == write(found)

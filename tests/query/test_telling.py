@@ -49,6 +49,19 @@ def told(line, *clips, texts=(), frame=FRAME):
     ("choose A cw | B ccw ; as letter", "A."),
     ("choose -1 left | 1 right | 0 other ; as bare", "0"),
     ("largest ccw-events", "From 2.0 to 3.0 s."),
+    ("record count turn-events , begin first turn-events end ; as tuple", "(3, 1)"),
+    ("begins turn-events ; as brackets", "[1.0, 2.0, 3.0]"),
+    ("record turn , slide end ; as one-zero", "1, 0"),
+    ("record count turn-events , amount slide end ; as tuple", "(3, 0)"),
+    ("amount slide ; as number", "0"),
+    ("round 2 unit s length contact ; as number", "4.00"),
+    ("choose 3.0: turn | 4.0: other", "3."),
+    ("if slide choose pass slide amount turn ; as bare", "65 deg"),
+    ("each turn-events record begin here , amount turn end ; as csv",
+     "begin_s,turn_deg\n1,40\n2,15\n3,40"),
+    ("each turn-events record begin here , amount turn end ; as table",
+     "1.0 s | 40 deg\n2.0 s | 15 deg\n3.0 s | 40 deg"),
+    ("choose pass turn | fail other ; as bare", "pass"),
 ])  # fmt: skip
 def test_a_value_in_the_form_that_was_asked_for(line, text):
     assert told(line) == text
@@ -74,6 +87,15 @@ def test_a_story_is_a_list_where_one_is_asked_for():
     lines = told("story ; as list").splitlines()
     assert lines[0] == "1. at 0.0 s touch"
     assert lines[2] == "3. from 1.0 to 2.0 s turn clockwise 40 degrees"
+
+
+def test_a_story_is_rows_of_a_file():
+    head, *rows = told("story ; as csv").splitlines()
+    assert head == "kind,way,begin_s,end_s,value,unit"
+    assert rows[2] == "turn,clockwise,1.0,2.0,40.0,deg"
+    assert [row.partition(",")[0] for row in rows] == [
+        "touch", "stick", "turn", "turn", "turn", "release",
+    ]  # fmt: skip
 
 
 def test_a_story_ends_with_the_end_of_contact():
