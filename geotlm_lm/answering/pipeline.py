@@ -28,10 +28,10 @@ from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import Evidence
 from geotlm_lm.query.facts import FACTS, Fact, with_facts
-from geotlm_lm.query.follow_up import leans, resumed
+from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.lines import write
 from geotlm_lm.query.phrases import label_of
-from geotlm_lm.query.program import Program, asks_of_two, head_of, of, type_of
+from geotlm_lm.query.program import LEANING, TWO_CLIPS, Program, head_of, of, type_of
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
@@ -52,9 +52,9 @@ UNLIKELY = 0.3
 CLOSE = 0.8
 """Share of the likeliest reading's probability from which on another one is asked back about."""
 
-OUT_OF_PLACE = 0.1
-"""How much less likely a question of two recordings is where one is open, and one that leans on
-the question before where none was asked."""
+OF_TWO = frozenset({*TWO_CLIPS, "of-first", "of-second", "of-previous"})
+OF_BEFORE = frozenset({*LEANING, "again", "plain"})
+"""Words of programs that are out of place where one recording is open, or nothing was asked."""
 
 UNDERSTOOD_FACTS = 0.7
 """Probability below which facts that would turn an answer are asked back about: they hold until
@@ -116,7 +116,11 @@ def understand(
         UsageError: If the question is empty or too long.
     """
     started = time.perf_counter()
-    readings = reader.readings(question)
+    unlikely = frozenset()
+    if asked is not None:
+        unlikely |= OF_TWO if len(asked.clips) < 2 else unlikely
+        unlikely |= OF_BEFORE if before is None or not before.answers else unlikely
+    readings = reader.readings(question, unlikely=unlikely)
     understood = _chosen(reader, readings, before or Program(), asked)
     return replace(understood, milliseconds=1e3 * (time.perf_counter() - started))
 
@@ -134,8 +138,7 @@ def _chosen(
                 break
         else:
             groups.append([place])
-    likely = _in_place(readings, before, asked)
-    chances = [sum(likely[place] for place in group) for group in groups]
+    chances = [sum(readings[place].chance for place in group) for group in groups]
     best = max(range(len(groups)), key=chances.__getitem__)
     program = programs[groups[best][0]]
     understood = Understood(program, reader.calibrated(chances[best]))
@@ -155,20 +158,6 @@ def _chosen(
         is_doubtful = is_doubtful or _turns(program, rival)
     rival = rival if is_close or program.facts else None
     return replace(understood, ask_back=_asked_back(program, rival)) if is_doubtful else understood
-
-
-def _in_place(readings: Sequence[Reading], before: Program, asked: Asked | None) -> list[float]:
-    """Return the chances of readings, those that are out of place here less likely."""
-    if asked is None:
-        return [each.chance for each in readings]
-    weighed = []
-    for each in readings:
-        program = each.program
-        is_of_two = len(asked.clips) < 2 and any(map(asks_of_two, program.answers))
-        is_resumed = not before.answers and any(map(leans, program.answers))
-        weighed.append(each.chance * (OUT_OF_PLACE if is_of_two or is_resumed else 1.0))
-    total = sum(each.chance for each in readings) / max(sum(weighed), 1e-9)
-    return [chance * total for chance in weighed]
 
 
 def _once(program: Program) -> Program:

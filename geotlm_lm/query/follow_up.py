@@ -11,13 +11,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.query.evaluate import COMPONENT
 from geotlm_lm.query.program import (
+    ACCEPTED,
     ASKED,
     COMPONENTS,
     EVENTS,
     GOING,
     LEANING,
     MEASURED,
+    OTHERS,
     UNITS,
     WAYS,
     Case,
@@ -42,10 +45,6 @@ _NUMBERED = (*_COMPARED, "+", "-", "*", "/", "percent-of", "min", "max", "abs",
 _ENDS = ("low", "high", "sigma")
 """What is told of a number's spread; one takes the place of another."""
 
-_OF_TRUTHS = ("margin", "chance", "share", "time-while", "first-time", "last-time", "ever",
-              "always", "why-of", "sure-of")  # fmt: skip
-"""What takes a truth: what was asked stays one."""
-
 STRUCTURED = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table")
 """Forms of one answer; the next is told in words again, while a word or a number stays one."""
 
@@ -63,7 +62,10 @@ def resumed(program: Program, before: Program) -> Program:
         program: What is asked now.
         before: What was asked last, itself resumed.
     """
-    if not any(leans(answer) for answer in program.answers):
+    if before.answers:
+        answers = (_of_subject(answer, before.answers[0]) for answer in program.answers)
+        program = replace(program, answers=tuple(answers))
+    if not any(_leans(answer) for answer in program.answers):
         return program
     if not before.answers:
         if program.facts and all(answer == of("again") for answer in program.answers):
@@ -71,10 +73,10 @@ def resumed(program: Program, before: Program) -> Program:
         before = OPEN
     answers = []
     for answer in program.answers:
-        is_about_all = leans(answer) and any(each.word == "again" for each in answer)
+        is_about_all = _leans(answer) and any(each.word == "again" for each in answer)
         for last in before.answers if is_about_all else before.answers[:1]:
             answers.append(_asked(_spelled(_spoken(answer, last), last)))
-            if not leans(answer):
+            if not _leans(answer):
                 break
     is_kept = program.form == "sentence" and before.form not in STRUCTURED
     form = before.form if is_kept else program.form
@@ -89,8 +91,16 @@ def _asked(answer: Expression) -> Expression:
     return of("record", (Field(of("begin", answer)), Field(of("end", answer))))
 
 
-def leans(expression: Expression) -> bool:
-    """Tell whether an expression speaks of what was asked before."""
+def _of_subject(answer: Expression, last: Expression) -> Expression:
+    """Return "how far?" or "how fast?" of what was spoken of last."""
+    head, subject = head_of(answer), _subject(last)
+    is_open = head.word == "extent" or head in (of("speed", "move"), of("top-speed", "move"))
+    if not is_open or subject is None:
+        return answer
+    return _of_another(answer, subject if subject in ("x", "y") else COMPONENT[subject].value)
+
+
+def _leans(expression: Expression) -> bool:
     return any(each.word in ("again", *LEANING) for each in expression)
 
 
@@ -110,35 +120,72 @@ def _spoken(value, last: Expression):
     return replace(value, arguments=_spoken(value.arguments, last))
 
 
-def _spelled(expression: Expression, last: Expression, wants: str | None = None) -> Expression:
-    """Return an expression with the last one in the place of "again"."""
+def _spelled(
+    expression: Expression, last: Expression, wanted: str = "answer", unit: str = ""
+) -> Expression:
+    """Return an expression with the last one in the place of "again".
+
+    Args:
+        expression: What is asked now.
+        last: What was asked last.
+        wanted: The type that is wanted in its place.
+        unit: The kind of unit that a number is wanted in.
+    """
     word = expression.word
     if word == "again":
-        return _as_number(last, wants) if wants is not None else last
+        return _fitted(last, wanted, unit)
     if word in ("instead", "with"):
-        what, inner = (*expression.arguments[:1], _spelled(expression.arguments[1], last, wants))
+        what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
         return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
     if word == "plain" and expression.arguments[0].word == "again":
-        return _bare(last)
+        return _fitted(_bare(last), wanted, unit)
     if word in _PLACED and any(each.word == "again" for each in expression.arguments[-1]):
         last = _unplaced(last, is_clip=word.startswith("of-"))
     if word in _ENDS and last.word in _ENDS:
         (last,) = last.arguments
-    wants = None if word in _OF_TRUTHS else _unit_of(expression) if word in _NUMBERED else wants
-    arguments = tuple(_argument(each, last, wants) for each in expression.arguments)
+    unit = _unit_of(expression) if word in _NUMBERED else unit
+    takes = ACCEPTED[wanted if word in ACCEPTED[wanted] else type_of(expression)].get(word, ())
+    arguments = tuple(
+        _argument(each, last, type_, unit)
+        for each, type_ in zip(expression.arguments, takes, strict=True)
+    )
     return replace(expression, arguments=arguments)
 
 
-def _argument(value, last: Expression, wants: str | None):
+def _argument(value, last: Expression, wanted: str, unit: str):
     if isinstance(value, Expression):
-        return _spelled(value, last, wants)
+        return _spelled(value, last, wanted, unit)
     if isinstance(value, tuple):
-        return tuple(_argument(each, last, None) for each in value)
+        return tuple(_argument(each, last, wanted, unit) for each in value)
     if isinstance(value, Case):
-        return replace(value, holds=_spelled(value.holds, last))
-    return (
-        replace(value, answer=_spelled(value.answer, last)) if isinstance(value, Field) else value
-    )
+        is_asked = value.holds.word not in OTHERS
+        return replace(value, holds=_spelled(value.holds, last, "bool")) if is_asked else value
+    if isinstance(value, Field):
+        return replace(value, answer=_spelled(value.answer, last))
+    return value
+
+
+def _fitted(last: Expression, wanted: str, unit: str) -> Expression:
+    """Return what was asked last as what is wanted in its place."""
+    if wanted == "answer":
+        return last
+    if last.word == "if":
+        condition, *branches = last.arguments
+        return of("if", condition, *(_fitted(each, wanted, unit) for each in branches))
+    if last.word in (*EDIT_WORDS, *_PLACED, "as-object", "as-sensor", "plain"):
+        *outer, inner = last.arguments
+        return of(last.word, *outer, _fitted(inner, wanted, unit))
+    if type_of(last) == wanted:
+        return last
+    if wanted == "number":
+        return _as_number(last, unit)
+    if wanted == "bool":
+        return of(_subject(last) or "move")
+    if wanted == "way":
+        asked = _subject(last)
+        return of("way", asked if asked in ASKED else "all")
+    fits = {"time": _moment_of, "events": _events_of, "span": spoken_of, "event": spoken_of}
+    return fits[wanted](last) if wanted in fits else last
 
 
 def _unit_of(expression: Expression) -> str:
@@ -154,14 +201,6 @@ def _unit_of(expression: Expression) -> str:
 
 def _as_number(last: Expression, kind: str) -> Expression:
     """Return what was asked as a number: of a way or a truth how far it goes."""
-    if last.word == "if":
-        condition, *branches = last.arguments
-        return of("if", condition, *(_as_number(branch, kind) for branch in branches))
-    if type_of(last) == "number":
-        return last
-    if last.word in (*EDIT_WORDS, *_PLACED, "plain"):
-        *outer, inner = last.arguments
-        return of(last.word, *outer, _as_number(inner, kind))
     if type_of(last) == "time":
         return of("clock", last)
     if kind == "time":
@@ -268,6 +307,11 @@ def _named(expression: Expression) -> str | None:
     word = expression.word.removesuffix(EVENTS)
     named = (word, *(each for each in expression.arguments if isinstance(each, str)))
     return next((word for word in named if word in (*COMPONENTS, *WAYS, "x", "y")), None)
+
+
+def _subject(expression: Expression) -> str | None:
+    """Return what kind of motion an expression speaks of first; None where of none."""
+    return next((named for each in expression if (named := _named(each)) is not None), None)
 
 
 def _events_of(expression: Expression) -> Expression:

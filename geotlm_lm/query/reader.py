@@ -14,6 +14,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
 from safetensors.torch import load_file, save
 from tokenizers import Tokenizer
 from torch import Tensor, nn
@@ -44,6 +45,11 @@ MOST = 5
 """How many readings are looked at where the first is not sure."""
 
 
+OUT_OF_PLACE = 0.05
+"""How much less likely a question of two recordings is where one is open, and one that leans on
+the question before where none was asked."""
+
+
 @dataclass(frozen=True)
 class Reading:
     """What a question was taken to mean."""
@@ -66,6 +72,13 @@ class _Begun(NamedTuple):
     hidden: Floats
     cache: TextCache
     length: int
+    unlikely: frozenset[str]  # words of programs that are out of place
+
+
+def _weighed(scores: Floats, is_unlikely: Sequence[bool]) -> Floats:
+    """Return log-probabilities with some less likely, together what they were."""
+    weighed = np.where(is_unlikely, scores + math.log(OUT_OF_PLACE), scores)
+    return weighed + np.logaddexp.reduce(scores) - np.logaddexp.reduce(weighed)
 
 
 class QuestionDecoder(nn.Module):
@@ -103,13 +116,20 @@ class Reader:
         """
         return self.readings(text)[0]
 
-    def readings(self, text: str, most: int = MOST, sure: float = SURE) -> list[Reading]:
+    def readings(
+        self,
+        text: str,
+        most: int = MOST,
+        sure: float = SURE,
+        unlikely: frozenset[str] = frozenset(),
+    ) -> list[Reading]:
         """Return the most probable readings, the best first; less probable ones turn off from it.
 
         Args:
             text: The question.
             most: How many at most.
             sure: Probability of the best one from which on no other is looked at.
+            unlikely: Words that are out of place here.
 
         Raises:
             UsageError: If the question is empty or too long.
@@ -130,7 +150,7 @@ class Reader:
         cache = self._decoder.started(len(spelled.ids) + MOST_WORDS)
         embedded = self._decoder.embeddings[spelled.ids]
         hidden = self._decoder.read(embedded, cache, both_ways=True)[-1]
-        begun = _Begun(hidden, cache, cache.length)
+        begun = _Begun(hidden, cache, cache.length, unlikely)
         texts = tuple(each.text for each in spelled.copied)
         words, chance, others = self._written(begun, [], numbers, len(texts))
         lines = [(words, chance)]
@@ -170,6 +190,8 @@ class Reader:
             allowed = sorted(fitting(words, numbers, texts) & self.spelling.id_of.keys())
             ids = [self.spelling.id_of[word] for word in allowed]
             scores = log_softmax(self._decoder.logits(hidden))[ids]
+            if not begun.unlikely.isdisjoint(allowed):
+                scores = _weighed(scores, [word in begun.unlikely for word in allowed])
             order = (-scores).argsort(kind="stable")
             best = int(order[0])
             if len(words) < len(beginning):

@@ -76,15 +76,13 @@ _PHRASES = {
     "sum-of": "the sum over the {0} of {1}", "most-of": "the greatest over the {0} of {1}",
     "least-of": "the least over the {0} of {1}", "nearest": "{1}, to the nearest {0}",
     "unit": "{1}, in {0}", "per": "{1}, {0}", "round": "{1}, to {0} decimals",
-    "t": "{0}", "begin": "the begin of {0}", "end": "the end of {0}", "later": "{1} after {0}",
+    "t": "{0}", "begin": "the beginning of {0}", "end": "the end of {0}", "later": "{1} after {0}",
     "earlier": "{1} before {0}", "first-time": "when first {0}", "last-time": "when last {0}",
     "peak-time": "when {0} farthest", "top-speed-time": "when {0} fastest",
-    "first": "the first of the {0}", "last": "the last of the {0}",
-    "largest": "the largest of the {0}", "longest": "the longest of the {0}",
-    "fastest": "the fastest of the {0}", "smallest": "the smallest of the {0}",
-    "shortest": "the shortest of the {0}", "slowest": "the slowest of the {0}",
-    "nth": "number {0} of the {1}", "next": "the next after {0} of the {1}",
-    "previous": "the last before {0} of the {1}", "it": "that",
+    **{pick: f"the {pick} {{0}}" for pick in ("first", "last", "largest", "longest", "fastest")},
+    **{pick: f"the {pick} {{0}}" for pick in ("smallest", "shortest", "slowest")},
+    "nth": "{1} number {0}", "next": "the next {1} after {0}",
+    "previous": "the last {1} before {0}", "it": "that",
     "recording": "the whole recording", "contact": "the contact", "here": "it",
     "between": "from {0} to {1}", "initial": "the first {0} of {1}", "final": "the last {0} of {1}",
     "until": "the time up to {0}", "since": "the time from {0} on",
@@ -170,9 +168,19 @@ def phrase(value: Any) -> str:
         return f"{_SO[atom]} by {how.get(word, '')}{' and '.join(numbers)}"
     if not value.arguments and word in _SO:
         return _SO[word]
+    if type_of(value) == "event" and word in _PHRASES and value.arguments:
+        *others, events = map(phrase, value.arguments)
+        return _PHRASES[word].format(*others, _one_of(events))
     arguments = [_UNIT if each == "turn" and word == "unit" else phrase(each)
                  for each in value.arguments]  # fmt: skip
     return _PHRASES.get(word, word).format(*arguments)
+
+
+def _one_of(events: str) -> str:
+    """Return the noun for one of several: "turn" of "turns", "slide to the left"."""
+    noun, gap, rest = events.partition(" to the ")
+    noun = noun.removesuffix("es") if noun.endswith(("sses", "ches")) else noun.removesuffix("s")
+    return f"{noun}{gap}{rest}"
 
 
 def _number(value: Any) -> str:

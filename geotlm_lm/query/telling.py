@@ -163,7 +163,8 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
         if way is not None and first.value < 0:  # the other way
             first = replace(first, mean=-first.mean)
             return f"about {amount_phrase(first)} {opposite_phrase(way)}"
-        text = f"{'about ' * (first.deviation > 0)}{amount_phrase(first)}"
+        is_about = first.deviation > 0 and (first.unit != "" or first.tolerance > 0)
+        text = f"{'about ' * is_about}{amount_phrase(first)}"
         if compared.at_s is not None:
             return f"{text} at most, at {teller.moment(compared.at_s)}"
         moves = value.motion.movements if value.motion is not None else ()

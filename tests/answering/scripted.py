@@ -89,8 +89,9 @@ class ScriptedReader:
     def read(self, text):
         return self.readings(text)[0]
 
-    def readings(self, text, most=5, sure=1.0):
+    def readings(self, text, most=5, sure=1.0, unlikely=frozenset()):
         self.heard.append(text)
+        self.unlikely = unlikely
         lines = self.lines.get(text, text)
         lines = [(lines, self.probability)] if isinstance(lines, str) else lines
         numbers, texts = quantities(text), tuple(each.text for each in copied(text))

@@ -132,6 +132,16 @@ def test_a_question_can_be_understood_without_a_recording():
     assert (more.line, more.ask_back) == ("mirror way turn", None)
 
 
+def test_what_is_out_of_place_is_less_likely(bundle):
+    reader = ScriptedReader()
+    answerer = feeling(bundle, "clockwise")
+    answerer.bundle = replace(answerer.bundle, reader=reader)
+    ask(answerer, "turn")
+    assert {"same", "of-second", "again", "it"} <= reader.unlikely
+    understand(reader, "again", read("way turn"))
+    assert not reader.unlikely  # without a recording nothing is out of place
+
+
 # Facts and views
 
 

@@ -202,7 +202,7 @@ def test_what_is_stated_is_held_against_what_came_true():
 
 
 class ReadingWay(ScriptedReader):
-    def readings(self, text, most=2, sure=1.0):
+    def readings(self, text, most=2, sure=1.0, unlikely=frozenset()):
         return [Reading("way all", (), (), self.probability, self.probability)]
 
 

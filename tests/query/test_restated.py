@@ -48,6 +48,9 @@ def test_every_program_is_put_into_words(expression):
     ("backwards way turn", "which way it turns, played backwards"),
     ("> amount turn 30.0:deg", "whether it turns by more than 30 degrees"),
     ("way turn ; count reverse-events", "which way it turns; how many reversals there are"),
+    ("begin first turn-events", "the beginning of the first turn"),
+    ("begin nth 2 left-events", "the beginning of slide to the left number 2"),
+    ("length longest press-events", "how long the longest press takes"),
     ("fact mirrored ; fact thread left", "that the image is mirrored, left-hand thread"),
 ])  # fmt: skip
 def test_a_program_in_words(line, text):
