@@ -12,6 +12,7 @@ from geotlm_lm.answering.pipeline import Asked, Understood, answer, compared, un
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.query.phrases import unit_phrase
 from geotlm_lm.query.program import Program, asks_of_two, head_of, type_of
 
 Reply = Answer | Comparison
@@ -166,9 +167,13 @@ class Session:
             text = " ".join(self.answerer.why(turn.encoded or self.encoded, last).steps)
         elif word == "sure-amount" and last.amount is not None:
             low, high = last.amount.span
-            text = f"Nine times in ten it is {low:g} to {high:g} {last.amount.unit}."
+            text = f"Nine times in ten it is {low:g} to {high:g}{unit_phrase(last.amount)}."
         elif word in ("sure", "sure-amount"):
-            text = last.text if last.abstained else f"About {last.confidence:.0%}: {last.text}"
+            text = (
+                last.text
+                if last.abstained
+                else f"About {last.confidence:.0%}: {_inside(last.text)}"
+            )
         else:
             return None
         return replace(last, text=text, kind="talk", query=understood.line)
@@ -184,6 +189,11 @@ class Session:
         return [
             {"question": turn.question, "answer": turn.answer.to_dict()} for turn in self.history
         ]
+
+
+def _inside(sentence: str) -> str:
+    """Return a sentence as it stands inside another one."""
+    return f"{sentence[:1].lower()}{sentence[1:]}"
 
 
 def _is_about_clip(reply: Reply) -> bool:

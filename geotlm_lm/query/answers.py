@@ -12,12 +12,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.core.edit import EDIT_WORDS, opposite
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query import spans  # noqa: F401  (adds its primitives)
+from geotlm_lm.query.amounts import Measure
 from geotlm_lm.query.evaluate import (
     MOVERS,
     Context,
@@ -45,6 +46,7 @@ from geotlm_lm.query.moving import (
 )
 from geotlm_lm.query.program import Case, Expression, Program, of
 from geotlm_lm.query.truths import trait
+from geotlm_lm.query.types import WAY_ATOMS
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -219,13 +221,25 @@ def _amount(expression: Expression, context: Context) -> Value:
         amount = replace(amount, decimals=FINEST)
     at_s = None
     most, of_what = measure.word, measure.arguments
-    most = "peak" if most == "amount" and comes_back(placed, *of_what) else most
+    if most == "amount" and of_what[0] not in p.WAYS and comes_back(placed, *of_what):
+        most = "peak"
     if most in ("peak", "top-speed") and placed.worlds.is_timed:
         at_s = middle(placed, evaluate(of(f"{most}-time", *of_what), placed))
     return Amount(
         of=expression, amount=amount, probability=right, motion=motion, at_s=at_s,
+        both=tuple(_both_ways(measure, motion, placed)),
         edit=placed.view, shown=of_components(shown_in(placed), components or COMPONENTS),
     )  # fmt: skip
+
+
+def _both_ways(measure: Expression, motion: Moved | None, context: Context) -> Iterator[Measure]:
+    """Yield how far something goes the way that is asked about, and the other, if it goes both."""
+    (atom,) = measure.arguments if measure.word in ("amount", "net") else ("",)
+    if motion is not None and atom in p.WAYS and comes_back(context, atom):
+        back = opposite(WAY_ATOMS[atom])
+        for way in (atom, next(word for word, each in WAY_ATOMS.items() if each is back)):
+            numbers = evaluate(of("path", way), context)
+            yield spread(numbers, np.ones(COUNT, bool), context)[0]
 
 
 def _unmoved(motion: Moved, components: tuple[Component, ...]) -> set[Component]:

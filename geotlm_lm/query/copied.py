@@ -1,13 +1,18 @@
 """Find the words of a text that an answer may copy as they stand: labels, keys of a template.
 
 A program points at them by place: `@2` is the second that is found. They are quoted, in capitals,
-joined by an underscore, before a colon or an equals sign, a single capital, or between slashes.
+joined by an underscore, before a colon or an equals sign, a single capital, between slashes, or
+follow a word such as "print", "else" and "keys" that announces them.
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
+
+from geotlm_lm.query.quantities import words_of_text
 
 _QUOTED = re.compile(r"\"([^\"\n]{1,32})\"|(?<!\w)'([^'\n]{1,32})'(?!\w)|`([^`\n]{1,32})`")
 _PLAIN = re.compile(
@@ -22,6 +27,10 @@ _PLAIN = re.compile(
 _LISTED = re.compile(
     r"(?<![\w/])(?:[A-Za-z]\w*(?:/[A-Za-z]\w*){2,}"  # open/shut/none
     r"|[A-Za-z][\w-]{2,}(?:\s?/\s?[A-Za-z][\w-]{2,})+)(?![\w/])"  # pass / fail, but not deg/s
+)
+_SMALL = re.compile(r"(?:[\s:]+|\s*,\s*)([a-z][a-z-]{1,14})(?![\w'])")
+_CONDITIONED = re.compile(
+    r"(?:^|[,;:.]\s+(?:and |or )?)([A-Za-z][a-z-]{1,14})(?=\s+(?:if|when|unless)\b)"
 )
 _PART = re.compile(r"[\w-]+")
 
@@ -49,4 +58,38 @@ def copied(text: str) -> list[Copied]:
     for match in _PLAIN.finditer(text):
         if not any(each.start <= match.start() < each.end for each in quoted):
             words.setdefault(match.start(), Copied(match[0], *match.span()))
+    for announced in _announced(text):
+        words.setdefault(announced.start, announced)
     return sorted(words.values(), key=lambda each: each.start)
+
+
+@lru_cache(maxsize=1)
+def _announcing() -> tuple[re.Pattern[str], frozenset[str], frozenset[str]]:
+    """Return what announces a word to be copied, what stands between, and what is never copied."""
+    listed = words_of_text()["copied"]
+    before = "|".join(map(re.escape, listed["behind"]))
+    return (
+        re.compile(rf"\b(?:{before})\b", re.IGNORECASE),
+        frozenset(listed["between"]),
+        frozenset((*listed["never"], *listed["behind"])),
+    )
+
+
+def _announced(text: str) -> Iterator[Copied]:
+    """Yield words that are announced: "say stop or go", "keys angle, way", "redo if it slips"."""
+    behind, between, never = _announcing()
+    for match in _CONDITIONED.finditer(text):
+        if match[1].lower() not in never:
+            yield Copied(match[1], *match.span(1))
+    for match in behind.finditer(text):
+        at = match.end()
+        while following := _SMALL.match(text, at):
+            word, at = following[1], following.end()
+            if word in between:
+                continue
+            if word in never:
+                break
+            yield Copied(word, *following.span(1))
+            rest = text[at:].lstrip()
+            if not rest.startswith((",", "or ", "and ")):
+                break

@@ -134,16 +134,22 @@ def _net(context: Context, atom: str) -> Numbers:
 
 
 def _amount(context: Context, atom: str) -> Numbers:
-    """Return the net way; of what no way is asked of and comes back, how far it got."""
-    return (_peak if comes_back(context, atom) else _net)(context, atom)
+    """Return the net way; of what comes back how far it got, or how far it went a way."""
+    if not comes_back(context, atom):
+        return _net(context, atom)
+    return (_path if atom in p.WAYS else _peak)(context, atom)
+
+
+_AXIS = {"cw": "turn", "ccw": "turn", "left": "x", "right": "x", "up": "y", "down": "y",
+         "in": "press", "out": "press"}  # fmt: skip
 
 
 def comes_back(context: Context, atom: str) -> bool:
     """Tell whether something ends nearer to where it began than to where it got."""
     if context.now is not None or not context.worlds.is_timed:
         return False
-    atom = _atom(context, atom)
-    if atom in p.WAYS or not any(True for _ in inside(context, COMPONENT[atom])):
+    atom = _AXIS.get(atom) or _atom(context, atom)
+    if not any(True for _ in inside(context, COMPONENT[atom])):
         return False
     far, at_most = (np.median(each(context, atom).values) for each in (_net, _peak))
     return bool(far < BACK * at_most)

@@ -9,9 +9,9 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.amounts import Measure, Recording
-from geotlm_lm.query.program import Case
+from geotlm_lm.query.program import EVENTS, Case, Expression
 from geotlm_lm.query.replies import replies
-from geotlm_lm.query.restated import phrase
+from geotlm_lm.query.restated import one_of, phrase
 from geotlm_lm.query.values import Movement
 
 GOES = {Component.TURN: "turns", Component.SLIDE: "slides"}
@@ -75,6 +75,12 @@ def amount_phrase(amount: Measure, *, with_span: bool = False) -> str:
     low, high = amount.span
     is_spread = with_span and amount.deviation > 0 and low != high
     return f"{text}, likely {low:.10g} to {high:.10g}" if is_spread else text
+
+
+def count_phrase(count: Measure, events: Expression) -> str:
+    """Return how many events there are: "2 turns"."""
+    nouns = phrase(events) if events.word.endswith(EVENTS) else "times"
+    return f"{count.value:g} {one_of(nouns) if count.value == 1 else nouns}"
 
 
 def unit_phrase(amount: Measure) -> str:

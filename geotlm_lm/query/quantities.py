@@ -61,13 +61,14 @@ class Stated:
 
 
 @lru_cache(maxsize=1)
-def _told() -> dict[str, Any]:
+def words_of_text() -> dict[str, Any]:
+    """Return the lists of words by which numbers and words to be copied are known."""
     return tomllib.loads((resource_dir("data_templates") / "query/quantities.toml").read_text())
 
 
 @lru_cache(maxsize=1)
 def _lexicon() -> tuple[dict[str, str], dict[str, float], dict[str, float]]:
-    units_file = _told()
+    units_file = words_of_text()
     units = {word: unit for unit, words in units_file["units"].items() for word in words}
     return units, units_file["numbers"], units_file["fractions"]
 
@@ -112,7 +113,7 @@ def _scale(one: Stated, other: Stated, text: str) -> Stated | None:
 
     Of "one pixel is 0.06 mm" the length alone says it: it stays a quantity of its own.
     """
-    if text[one.end : other.start].strip().lower() not in _told()["equals"]["words"]:
+    if text[one.end : other.start].strip().lower() not in words_of_text()["equals"]["words"]:
         return None
     pixels, length = one.quantity, other.quantity
     if pixels == Quantity(1.0, "px"):
@@ -187,8 +188,8 @@ def _words_at(text: str, at: int) -> Stated | None:
     if value is None:
         return None
     unit, last = _unit_at(text, end, may_join=True)
-    is_ordinal = unit == "s" and text[end:last].strip().lower() == "second"
-    if is_ordinal and _next_word(text, last)[0] in _told()["second"]["nouns"]:  # "a second time"
+    nouns = words_of_text()["second"]["nouns"] if text[end:last].strip() == "second" else ()
+    if _next_word(text, last)[0] in nouns:  # "a second time"
         return None
     if unit:
         return Stated(Quantity(value, unit), at, last)
@@ -199,12 +200,12 @@ def _words_at(text: str, at: int) -> Stated | None:
     if value < 2:
         return None
     joint, after = _next_word(text, end)
-    if joint in _told()["counted"]["words"]:
+    if joint in words_of_text()["counted"]["words"]:
         return Stated(Quantity(value, ""), at, end)
     if joint in ("to", "and", "or"):
         figure = _figure_at(text, _SPACES.match(text, after).end())
         other, stop = _spoken(text, after)
-        is_counted = _next_word(text, stop)[0] in _told()["counted"]["words"]
+        is_counted = _next_word(text, stop)[0] in words_of_text()["counted"]["words"]
         has_unit = is_counted or bool(_unit_at(text, stop)[0])
         if (figure and figure.quantity.unit) or (other is not None and has_unit):
             return Stated(Quantity(value, ""), at, end)

@@ -170,13 +170,13 @@ def phrase(value: Any) -> str:
         return _SO[word]
     if type_of(value) == "event" and word in _PHRASES and value.arguments:
         *others, events = map(phrase, value.arguments)
-        return _PHRASES[word].format(*others, _one_of(events))
+        return _PHRASES[word].format(*others, one_of(events))
     arguments = [_UNIT if each == "turn" and word == "unit" else phrase(each)
                  for each in value.arguments]  # fmt: skip
     return _PHRASES.get(word, word).format(*arguments)
 
 
-def _one_of(events: str) -> str:
+def one_of(events: str) -> str:
     """Return the noun for one of several: "turn" of "turns", "slide to the left"."""
     noun, gap, rest = events.partition(" to the ")
     noun = noun.removesuffix("es") if noun.endswith(("sses", "ches")) else noun.removesuffix("s")

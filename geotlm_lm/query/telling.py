@@ -20,6 +20,7 @@ from geotlm_lm.query.phrases import (
     TRAIT_WORDS,
     all_of,
     amount_phrase,
+    count_phrase,
     file_phrase,
     joined,
     label_of,
@@ -268,7 +269,7 @@ def _amount(teller: Teller, value: Amount) -> str:
     is_exact = amount.deviation == 0 and (amount.decimals is not None or amount.tolerance == 0)
     text = f"{'' if is_exact else 'about '}{amount_phrase(amount, with_span=True)}"
     if head.word == "count":
-        return f"{amount.value:g} {'time' if amount.value == 1 else 'times'}"
+        return count_phrase(amount, head.arguments[0])
     head = measure_of(head)
     if value.at_s is not None:
         at_most = " at most" * (head.word == "amount")
@@ -279,6 +280,12 @@ def _amount(teller: Teller, value: Amount) -> str:
     is_of_a_way = head.word in ("amount", "net", "speed") or (
         head.word in ("peak", "top-speed") and not is_back
     )
+    if value.both:
+        way = WAY_ATOMS[head.arguments[0]]
+        there, back = map(amount_phrase, value.both)
+        gone = f"{there} {way.value} and {back} {opposite_phrase(way)}"
+        net_text = f": net {text}" if head.word == "net" else ""
+        return f"{gone}{teller.where(motion, [way])}{net_text}"
     if is_of_a_way and motion is not None and motion.movements:
         ways = [move.way for move in motion.movements]
         named = joined([way_phrase(move) for move in motion.movements])

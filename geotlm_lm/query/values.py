@@ -97,6 +97,7 @@ class Amount(Value):
     amount: Measure
     motion: Moved | None = None
     at_s: float | None = None  # when, of a greatest one or of what comes back
+    both: tuple[Measure, ...] = ()  # that way and the other, of what goes both
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -239,7 +239,9 @@ def test_what_comes_back_is_as_far_as_it_got():
     assert far.at_s == pytest.approx(2.0)
     assert told("net turn", clip).amount.mean == pytest.approx(2, abs=0.5)
     assert told("> amount turn 30.0:deg", clip).holds
-    assert told("amount cw", clip).amount.mean == pytest.approx(2, abs=0.5)
+    assert told("amount ccw", clip).amount.mean == pytest.approx(38, rel=0.04)
+    assert told("net cw", clip).amount.mean == pytest.approx(2, abs=0.5)
+    assert not told("> amount ccw 45.0:deg", clip).holds
 
 
 def test_the_ends_of_a_number_lie_as_far_apart_as_its_span():

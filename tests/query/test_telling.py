@@ -67,6 +67,17 @@ def test_a_value_in_the_form_that_was_asked_for(line, text):
     assert told(line) == text
 
 
+def test_what_goes_both_ways_is_told_both_ways():
+    clip = of_track(turning([40.0, -38.0]))
+    assert told("amount turn", clip).startswith("About 40 degrees")
+    assert told("amount turn", clip).endswith("at most, at 2.0 s; net 2 degrees clockwise.")
+    assert told("amount ccw", clip) == (
+        "38 degrees counterclockwise and 40 degrees clockwise, in the camera image."
+    )
+    assert told("count turn-events", clip) == "2 turns."
+    assert told("count touch-events", clip) == "1 touch."
+
+
 def test_own_words_are_printed_as_they_stand():
     assert (
         told("choose @1 > amount cw 30.0:deg | @2 other ; as bare", texts=("STOP", "GO")) == "STOP"
