@@ -31,7 +31,15 @@ from geotlm_lm.query.facts import FACTS, Fact, with_facts
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.lines import write
 from geotlm_lm.query.phrases import label_of
-from geotlm_lm.query.program import LEANING, TWO_CLIPS, Program, head_of, of, type_of
+from geotlm_lm.query.program import (
+    LEANING,
+    TWO_CLIPS,
+    Program,
+    head_of,
+    is_void,
+    of,
+    type_of,
+)
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
@@ -55,6 +63,9 @@ CLOSE = 0.8
 OF_TWO = frozenset({*TWO_CLIPS, "of-first", "of-second", "of-previous"})
 OF_BEFORE = frozenset({*LEANING, "again", "plain"})
 """Words of programs that are out of place where one recording is open, or nothing was asked."""
+
+MOST_OFFERED = 30
+"""Words of what was understood beyond which nobody would read it: what is asked back is short."""
 
 UNDERSTOOD_FACTS = 0.7
 """Probability below which facts that would turn an answer are asked back about: they hold until
@@ -129,6 +140,7 @@ def _chosen(
     reader: Reader, readings: Sequence[Reading], before: Program, asked: Asked | None
 ) -> Understood:
     """Return the likeliest reading, those that come to the same values counted together."""
+    readings = [each for each in readings if not is_void(each.program)] or readings
     programs = [_once(resumed(each.program, before)) for each in readings]
     groups: list[list[int]] = []
     for place, program in enumerate(programs):
@@ -227,13 +239,16 @@ def _matters(topics: Sequence[str], program: Program, asked: Asked | None) -> bo
 
 def _asked_back(program: Program, rival: Program | None) -> str:
     """Return one short question between two readings; what both state alike is left out."""
-    if rival is None:
-        return f"I am not sure what you ask; do you mean {restated(program)}?"
-    if set(rival.facts) == set(program.facts):
+    if rival is not None and set(rival.facts) == set(program.facts):
         program, rival = replace(program, facts=()), replace(rival, facts=())
-    if restated(rival) == restated(program):
-        return f"I am not sure what you ask; do you mean {restated(program)}?"
-    return f"Do you mean {restated(program)}, or {restated(rival)}?"
+    words = [restated(each) for each in (program, rival) if each is not None]
+    if sum(len(each.split()) for each in words) > MOST_OFFERED:
+        words = words[:1]
+    if len(words[0].split()) > MOST_OFFERED:
+        return replies()["unclear_question"]
+    if len(set(words)) == 1:
+        return f"I am not sure what you ask; do you mean {words[0]}?"
+    return f"Do you mean {words[0]}, or {words[1]}?"
 
 
 # Evaluate

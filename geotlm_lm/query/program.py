@@ -344,6 +344,18 @@ def asks_of_two(expression: Expression) -> bool:
     return bool(words & set(TWO_CLIPS)) or {"of-first", "of-second"} <= words
 
 
+_BETWEEN_TWO = ("and", "or", "xor", ">", "<", "=", "~", "before", "after", "-", "/", "percent-of")
+
+
+def is_void(program: Program) -> bool:
+    """Tell whether a program compares a thing with itself, which nobody asks."""
+    return any(
+        each.word in _BETWEEN_TWO and each.arguments[0] == each.arguments[1]
+        for answer in program.answers
+        for each in answer
+    )
+
+
 def measure_of(number: Expression) -> Expression:
     """Return what a number measures, without the unit and the rounding around it."""
     while number.word in ("unit", "per", "round", "nearest", "floor", "ceil", "abs"):

@@ -132,6 +132,21 @@ def test_a_question_can_be_understood_without_a_recording():
     assert (more.line, more.ask_back) == ("mirror way turn", None)
 
 
+def test_what_is_asked_back_is_short(bundle):
+    long = " ; ".join(f"within part {k} 4 contact amount slide" for k in range(1, 5))
+    asked = ask_read_as(feeling(bundle, "clockwise"), (long, 0.2), ("turn", 0.19))
+    assert asked.text.startswith("I did not understand all of that")
+    asked = ask_read_as(feeling(bundle, "clockwise"), ("turn", 0.2), (long, 0.19))
+    assert asked.text == "I am not sure what you ask; do you mean whether it turns?"
+
+
+def test_a_reading_that_compares_a_thing_with_itself_is_none(bundle):
+    answerer = feeling(bundle, "clockwise")
+    read_as = ask_read_as(answerer, ("> amount turn amount turn", 0.6), ("turn", 0.3))
+    assert read_as.query == "turn"
+    assert ask_read_as(answerer, ("and cw cw", 0.6)).query == "and cw cw"  # for want of another
+
+
 def test_what_is_out_of_place_is_less_likely(bundle):
     reader = ScriptedReader()
     answerer = feeling(bundle, "clockwise")
