@@ -28,9 +28,9 @@ _LISTED = re.compile(
     r"(?<![\w/])(?:[A-Za-z]\w*(?:/[A-Za-z]\w*){2,}"  # open/shut/none
     r"|[A-Za-z][\w-]{2,}(?:\s?/\s?[A-Za-z][\w-]{2,})+)(?![\w/])"  # pass / fail, but not deg/s
 )
-_SMALL = re.compile(r"(?:[\s:]+|\s*,\s*)([a-z][a-z-]{1,14})(?![\w'])")
+_SMALL = re.compile(r"(?:[\s:]+|\s*,\s*)([a-z][\w-]{1,14})(?![\w'])")
 _CONDITIONED = re.compile(
-    r"(?:^|[,;:.]\s+(?:and |or )?)([A-Za-z][a-z-]{1,14})(?=\s+(?:if|when|unless)\b)"
+    r"(?:^|[,;:.]\s+(?:and |or )?)([A-Za-z][a-z-]{1,14})(?=\s+(?:if|when|unless|otherwise)\b)"
 )
 _PART = re.compile(r"[\w-]+")
 

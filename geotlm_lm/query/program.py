@@ -172,7 +172,7 @@ _PLAIN = {
 
 NAMES = {
     "of": MEASURED,
-    "what": (*MEASURED, *GOING),
+    "what": (*MEASURED, *GOING, "limit"),
     "half": HALVES,
     "asked": ASKED,
     "unit": tuple(unit for units in UNITS.values() for unit in units),

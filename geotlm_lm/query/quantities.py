@@ -195,7 +195,7 @@ def _words_at(text: str, at: int) -> Stated | None:
         return Stated(Quantity(value, unit), at, last)
     if _follows_frame(text, at):
         return Stated(Quantity(value, "frame"), at, end)
-    if value >= LEAST_BARE:
+    if value >= LEAST_BARE or re.search(r"\bpoint\b", text[at:end], re.IGNORECASE):
         return Stated(Quantity(value, ""), at, end)
     if value < 2:
         return None

@@ -85,7 +85,8 @@ def _is_unmoved(value: Value) -> bool:
 
 def _number(value: Value) -> str | None:
     if _is_unmoved(value):
-        return "0"
+        decimals = (int(each.arguments[0]) for each in value.of if each.word == "round")
+        return f"{0:.{next(decimals, 0)}f}"
     if isinstance(value, Amount):
         return value.amount.figure
     if isinstance(value, Times) and len(value.times_s) == 1:
@@ -187,6 +188,8 @@ def _fields(values: Sequence[Value]) -> list[tuple[str | None, Value]]:
 
 def as_json(values: Sequence[Value], teller: Teller, sure: float) -> Any:
     """Return values as plain JSON: under the keys of a template where one was given."""
+    if not isinstance(values[0], Moved) and (rows := _rows(values)):
+        return [{key: plain(each, teller) for key, each in row.items()} for row in rows]
     fields = _fields(values)
     if fields and all(key for key, _ in fields):
         return {key: plain(value, teller) for key, value in fields}

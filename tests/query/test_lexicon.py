@@ -1,6 +1,8 @@
 import pytest
 
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.lexicon import FREQUENT, LEAST, SLIPS, Lexicon
+from geotlm_lm.query.quantities import Quantity, quantities
 
 WORDS = ("the", "which", "turn", "left", "sliding", "before", "release", "radio", "check", "field")
 KNOWN = Lexicon(WORDS, frequent=9)
@@ -32,3 +34,38 @@ def test_it_holds_the_words_that_stand_often_in_its_texts_and_none_of_their_slip
     found = Lexicon.of([*texts, *["trial"] * FREQUENT])
     assert found.words == ("way", "which", "trial", "rarely", "trail")
     assert found.words[: found.frequent] == ("way", "which", "trial")
+
+
+@pytest.mark.parametrize(("text", "numbers"), [
+    ("more than thirty", [(30.0, "")]),
+    ("one point five seconds", [(1.5, "s")]),
+    ("it needs one point five", [(1.5, "")]),
+    ("eight tenths of a second", [(0.8, "s")]),
+    ("in half of the turn", []),
+    ("half a turn", [(0.5, "turn")]),
+    ("a second time", []),
+    ("within a second", [(1.0, "s")]),
+    ("from f30 to the 60th frame", [(30.0, "frame"), (60.0, "frame")]),
+    ("1/0", [(1.0, ""), (0.0, "")]),
+    ("2 gradians, 3 mrad, 40 \u03bcs", [(2.0, "gon"), (3.0, "mrad"), (40.0, "us")]),
+])  # fmt: skip
+def test_numbers_of_a_text(text, numbers):
+    assert quantities(text) == tuple(Quantity(*each) for each in numbers)
+
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("print STOP or GO", ["STOP", "GO"]),
+    ("Say stop or go", ["stop", "go"]),
+    ("Redo if it slips, else next", ["Redo", "next"]),
+    ("keys angle, t_end and way", ["angle", "t_end", "way"]),
+    ("long if over 2 s, short otherwise", ["long", "short"]),
+    ("pass / fail", ["pass", "fail"]),
+    ("deg/s", []),
+    ("L, R or U?", ["L", "R", "U"]),
+    ("A) left B) right", []),
+    ("say which way it goes", []),
+    ("answer in degrees, otherwise say GO", ["GO"]),
+    ('{"cw_deg": 1}', ["cw_deg"]),
+])  # fmt: skip
+def test_words_that_may_be_copied(text, words):
+    assert [each.text for each in copied(text)] == words

@@ -54,6 +54,7 @@ def told(line, *clips, texts=(), frame=FRAME):
     ("record turn , slide end ; as one-zero", "1, 0"),
     ("record count turn-events , amount slide end ; as tuple", "(3, 0)"),
     ("amount slide ; as number", "0"),
+    ("round 2 amount slide ; as number", "0.00"),
     ("round 2 unit s length contact ; as number", "4.00"),
     ("choose 3.0: turn | 4.0: other", "3."),
     ("if slide choose pass slide amount turn ; as bare", "65 deg"),
@@ -90,6 +91,8 @@ def test_a_template_is_filled_under_its_own_keys():
     assert json.loads(told(line, texts=("n", "turns"))) == {"n": 3, "turns": True}
     line = "record @1 count turn-events , @2 begin first turn-events end ; as pairs"
     assert told(line, texts=("n", "t0")) == "n=3\nt0=1"
+    line = "each turn-events record @1 begin here , @2 way turn end ; as json"
+    assert json.loads(told(line, texts=("t0", "dir")))[1] == {"t0": 2.0, "dir": "counterclockwise"}
     line = "record @1 count turn-events , @2 way turn end ; as csv"
     assert told(line, texts=("n", "dir")) == "n,dir\n3,clockwise"
 
