@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from geotlm_lm.core.tolerance import TOLERANCES
 from geotlm_lm.core.twist import COMPONENTS, Component
-from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.query import program as p
 from geotlm_lm.query.evaluate import (
     COMPONENT,
@@ -31,10 +29,7 @@ from geotlm_lm.query.program import Expression
 from geotlm_lm.query.units import (
     clock_step,
     clock_unit,
-    compared,
-    constant,
     converted,
-    in_length_of,
     scale_of,
 )
 from geotlm_lm.query.worlds import COUNT, Worlds
@@ -43,15 +38,8 @@ from geotlm_lm.track.events import TOGETHER_S
 RATE_S = 0.2
 """Time over which a speed is measured: less is noise."""
 
-SPAN = (0.05, 0.95)
-"""Shares of the worlds below the ends of the span that a number is told with."""
-
 BACK = 0.5
 """Share of the way to its farthest point that is left, at the end, of what comes back."""
-
-
-def _number(value: float):
-    return lambda _: Numbers(np.full(COUNT, value), "")
 
 
 def net(context: Context, component: Component) -> tuple[Floats, Floats]:
@@ -353,157 +341,12 @@ def _area(context: Context) -> Numbers:
 
 
 def _chance(context: Context, inner: Expression) -> Numbers:
-    share = np.broadcast_to(np.nan_to_num(evaluate(inner, context)), (COUNT,)).mean()
-    return Numbers(np.full(COUNT, 100 * float(share)), "percent", 2.0)
-
-
-def _sum(sign: int):
-    def added(context: Context, left: Expression, right: Expression) -> Numbers:
-        one, two = compared(context, left, right)
-        return one.also(one.values + sign * two.values, atom=one.atom if one.unit else None)
-
-    return added
-
-
-def _times(context: Context, left: Expression, right: Expression) -> Numbers:
-    one, two = evaluate(left, context), evaluate(right, context)
-    if one.unit and two.unit:
-        is_turn = one.unit.partition("/")[0] in p.UNITS["angle"]
-        return _arc(context, *((one, two) if is_turn else (two, one)))
-    main, other = (one, two) if one.unit else (two, one)
-    return main.also(main.values * other.values)
-
-
-def _arc(context: Context, turn: Numbers, radius: Numbers) -> Numbers:
-    """Return how far what turns goes at a radius, or how fast."""
-    top, gap, per = turn.unit.partition("/")
-    if top not in p.UNITS["angle"] or radius.unit not in p.UNITS["length"]:
-        raise Untold("unit")
-    turn = converted(context, turn, f"rad{gap}{per}")
-    return radius.also(
-        turn.values * radius.values, unit=f"{radius.unit}{gap}{per}",
-        tolerance=turn.tolerance * float(np.median(radius.values)), atom=None,
-    )  # fmt: skip
-
-
-def _over(context: Context, left: Expression, right: Expression) -> Numbers:
-    scaled = in_length_of(context, left, right)
-    one, two = evaluate(left, scaled), evaluate(right, scaled)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        if not two.unit:
-            return one.also(one.values / np.where(two.values == 0, np.nan, two.values))
-        one = replace(one, unit=two.unit) if left.value is not None and not one.unit else one
-        if "/" not in one.unit + two.unit and _kind(one.unit) != _kind(two.unit):
-            over = np.where(two.values == 0, np.nan, two.values)
-            known = over[np.isfinite(over)]
-            size = float(np.median(np.abs(known))) if known.size else 1.0
-            return one.also(one.values / over, unit=f"{one.unit}/{two.unit}",
-                            tolerance=one.tolerance / size, atom=None)  # fmt: skip
-        two = converted(scaled, two, one.unit)
-        return Numbers(one.values / np.where(two.values == 0, np.nan, two.values), "", 0.05)
-
-
-def _kind(unit: str) -> str:
-    return next((kind for kind, units in p.UNITS.items() if unit in units), unit)
-
-
-def _percent_of(context: Context, part: Expression, whole: Expression) -> Numbers:
-    one, two = compared(context, part, whole)
-    known = np.where(two.values == 0, np.nan, two.values)
-    return Numbers(100 * one.values / known, "percent", 2.0)
-
-
-def _extreme(choose: Callable[[Floats, Floats], Floats]):
-    def extreme(context: Context, left: Expression, right: Expression) -> Numbers:
-        one, two = compared(context, left, right)
-        return one.also(choose(one.values, two.values))
-
-    return extreme
-
-
-def _over_events(combine: Callable[[Floats], Floats]):
-    def combined(context: Context, events: Expression, inner: Expression) -> Numbers:
-        found = evaluate(events, context)
-        parts = [
-            evaluate(inner, context.within(np.asarray(each.begin_s), np.asarray(each.end_s)))
-            for each in found.happenings
-        ]
-        if not parts:
-            raise Untold("none-such")
-        if len({each.unit for each in parts}) > 1:
-            raise Untold("unit")
-        values = np.stack([np.broadcast_to(each.values, (COUNT,)) for each in parts])
-        values = np.where(found.is_so, values, np.nan)
-        some = np.isfinite(values).any(axis=0)
-        combined = np.full(COUNT, np.nan)
-        combined[some] = combine(values[:, some])
-        return parts[0].also(combined)
-
-    return combined
-
-
-def _end(place: int):
-    def end(context: Context, inner: Expression) -> Numbers:
-        """Return one end of the span that a number is told with."""
-        numbers = evaluate(inner, context)
-        middle(context, numbers.values)
-        known = numbers.values[np.isfinite(numbers.values)]
-        return numbers.also(np.full(COUNT, np.quantile(known, SPAN[place])))
-
-    return end
-
-
-def _sigma(context: Context, inner: Expression) -> Numbers:
-    numbers = evaluate(inner, context)
-    middle(context, numbers.values)
-    spread = np.ptp(np.nanquantile(numbers.values, SPAN)) / (2 * SPAN_DEVIATIONS)
-    return numbers.also(np.full(COUNT, spread), atom=None)
-
-
-def _margin(context: Context, inner: Expression) -> Numbers:
-    """Return how far what is compared lies from what it is compared with."""
-    if inner.word in ("more", "less", "as-far"):
-        pair = (p.of("of-first", inner.arguments[0]), p.of("of-second", inner.arguments[0]))
-    elif inner.word in (">", "<", "=", "~"):
-        pair = inner.arguments
-    else:
-        raise Untold("unit")
-    return _mapped(context, np.abs, p.of("-", *pair))
-
-
-def _nearest(context: Context, step: Expression, inner: Expression) -> Numbers:
-    numbers = evaluate(inner, context)
-    one = evaluate(step, context)
-    step = np.abs((converted(context, one, numbers.unit) if one.unit else one).values)
-    step = np.where(step > 0, step, np.nan)
-    return numbers.also(np.round(numbers.values / step) * step)
-
-
-def _mapped(context: Context, change: Callable[[Floats], Floats], inner: Expression) -> Numbers:
-    numbers = evaluate(inner, context)
-    return numbers.also(change(numbers.values))
-
-
-def _in_unit(context: Context, unit: str, inner: Expression) -> Numbers:
-    kind = next(kind for kind, units in p.UNITS.items() if unit in units)
-    length = {"angle": "deg", "length": "px" if unit == "px" else "mm"}.get(kind, context.length)
-    numbers = evaluate(inner, replace(context, length=length))
-    _, _, per = numbers.unit.partition("/")
-    return converted(context, numbers, f"{unit}/{per}" if per else unit)
-
-
-def _per(context: Context, per: str, inner: Expression) -> Numbers:
-    numbers = evaluate(inner, context)
-    top, _, clock = numbers.unit.partition("/")
-    if not clock:
-        raise Untold("unit")
-    return converted(context, numbers, f"{top}/{per.removeprefix('per-')}")
+    holds = np.nan_to_num(evaluate(inner, context))
+    share = np.broadcast_to(holds, np.broadcast_shapes(holds.shape, (COUNT,))).mean(-1)
+    return Numbers(np.repeat(100 * share[..., None], COUNT, axis=-1), "percent", 2.0)
 
 
 PRIMITIVES |= {
-    "#": constant,
-    "in-unit": converted,
-    "pi": _number(math.pi),
     "amount": _amount,
     "net": _net,
     "path": _path,
@@ -526,34 +369,8 @@ PRIMITIVES |= {
     "frame-height": lambda context: _size(context, context.evidence.recording.rows),
     "frame-count": lambda context: _fact(context, context.evidence.recording.frames, ""),
     "chance": _chance,
-    "+": _sum(1),
-    "-": _sum(-1),
-    "*": _times,
-    "/": _over,
-    "percent-of": _percent_of,
-    "min": _extreme(np.minimum),
-    "max": _extreme(np.maximum),
-    "abs": lambda context, inner: _mapped(context, np.abs, inner),
-    "negate": lambda context, inner: _mapped(context, np.negative, inner),
-    "unit": _in_unit,
-    "per": _per,
-    "round": lambda context, _, inner: evaluate(inner, context),
-    "nearest": _nearest,
-    "floor": lambda context, inner: _mapped(context, np.floor, inner),
-    "ceil": lambda context, inner: _mapped(context, np.ceil, inner),
-    "low": _end(0),
-    "high": _end(1),
-    "sigma": _sigma,
-    "margin": _margin,
-    "mean-of": _over_events(lambda values: np.nanmean(values, axis=0)),
-    "median-of": _over_events(lambda values: np.nanmedian(values, axis=0)),
-    "sum-of": _over_events(lambda values: np.nansum(values, axis=0)),
-    "most-of": _over_events(lambda values: np.nanmax(values, axis=0)),
-    "spread-of": _over_events(lambda values: np.nanstd(values, axis=0)),
-    "least-of": _over_events(lambda values: np.nanmin(values, axis=0)),
     "peak-time": _peak_time,
     "top-speed-time": lambda context, atom: np.full(
         COUNT, _fastest(context, _atom(context, atom))[0]
     ),
-    **{count: _number(float(count)) for count in p.COUNTS},
 }

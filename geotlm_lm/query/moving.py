@@ -18,6 +18,7 @@ from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component
 from geotlm_lm.motion.belief import PX_PER_MM, SPAN_DEVIATIONS
 from geotlm_lm.query.amounts import Measure, measure
+from geotlm_lm.query.arithmetic import SPAN
 from geotlm_lm.query.evaluate import (
     WAY,
     Context,
@@ -27,7 +28,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import SPAN, measured, net
+from geotlm_lm.query.measures import measured, net
 from geotlm_lm.query.program import UNITS, of
 from geotlm_lm.query.truths import trait
 from geotlm_lm.query.types import WAY_ATOMS
