@@ -43,7 +43,7 @@ def talk(monkeypatch, capsys, bundle, clip_path):
 
 def test_each_line_is_answered_on_a_line_of_its_own(talk):
     out, err = talk("Which way?", "", "Are you sure?")
-    assert out == [DIRECTION, f"About 95%: {DIRECTION}"]
+    assert out == [DIRECTION, f"About 95%: i{DIRECTION[1:]}"]
     assert all(line.startswith("note: ") for line in err)
 
 

@@ -50,7 +50,7 @@ def test_the_talk_goes_as_it_should(talk):
     assert clockwise.startswith("It turns clockwise, about ")
     assert clockwise.endswith(", in the camera image.")
     assert talk[1].startswith("About ")
-    assert talk[1].endswith(f"%: {clockwise}")
+    assert talk[1].endswith(f"%: i{clockwise[1:]}")
     assert talk[2].startswith("It turns counterclockwise, about ")
     assert talk[2].endswith(", played backwards.")
     assert talk[3].startswith("It turns clockwise, about ")
