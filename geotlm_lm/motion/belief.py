@@ -40,7 +40,8 @@ class Belief:
 
     def moves(self, component: Component) -> float:
         """Return the probability that a component moves."""
-        return float(sum(self.ways[way] for way in WAYS[component]))
+        # Summed exactly: seen backwards the ways change places, and the sum must not.
+        return math.fsum(self.ways[way] for way in WAYS[component])
 
     def way(self, component: Component) -> Motion:
         """Return the likeliest way of a component, given that it moves."""
