@@ -31,15 +31,7 @@ from geotlm_lm.query.facts import FACTS, Fact, with_facts
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.lines import write
 from geotlm_lm.query.phrases import label_of
-from geotlm_lm.query.program import (
-    LEANING,
-    TWO_CLIPS,
-    Program,
-    head_of,
-    is_void,
-    of,
-    type_of,
-)
+from geotlm_lm.query.program import LEANING, TWO_CLIPS, Program, head_of, is_void, of, type_of
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
@@ -127,10 +119,11 @@ def understand(
         UsageError: If the question is empty or too long.
     """
     started = time.perf_counter()
-    unlikely = frozenset()
-    if asked is not None:
-        unlikely |= OF_TWO if len(asked.clips) < 2 else unlikely
-        unlikely |= OF_BEFORE if before is None or not before.answers else unlikely
+    unlikely: frozenset[str] = frozenset()
+    if asked is not None and len(asked.clips) < 2:
+        unlikely |= OF_TWO
+    if asked is not None and (before is None or not before.answers):
+        unlikely |= OF_BEFORE
     readings = reader.readings(question, unlikely=unlikely)
     understood = _chosen(reader, readings, before or Program(), asked)
     return replace(understood, milliseconds=1e3 * (time.perf_counter() - started))

@@ -42,6 +42,9 @@ _NUMBERED = (*_COMPARED, "+", "-", "*", "/", "percent-of", "min", "max", "abs",
              "floor", "ceil")  # fmt: skip
 """What takes a number: of what was no number it is how far that goes."""
 
+_MEASURES = (*GOING, "limit")
+"""What may be measured of the same motion instead."""
+
 _ENDS = ("low", "high", "sigma")
 """What is told of a number's spread; one takes the place of another."""
 
@@ -234,7 +237,7 @@ def _unplaced(last: Expression, *, is_clip: bool) -> Expression:
 def _of_another(expression: Expression, what: str, *, is_whole: bool = True) -> Expression:
     """Return an expression of another kind of motion, of another way, or measured otherwise."""
     word = expression.word
-    if what in (*GOING, "limit"):
+    if what in _MEASURES:
         if word == "happens" and is_whole:
             return of(what, _named(expression.arguments[0]) or "move")
         if word in ("way", "extent", "kind", "story"):
@@ -242,7 +245,7 @@ def _of_another(expression: Expression, what: str, *, is_whole: bool = True) -> 
             return of(what, *(each if each in MEASURED else "move" for each in named or ("move",)))
         if word in MEASURED and is_whole:
             return of(what, word)
-        word = what if word in (*GOING, "limit") else word
+        word = what if word in _MEASURES else word
     elif word in ("way", "story"):
         return of("way", what) if what in ASKED else of(what)
     elif word == "extent":

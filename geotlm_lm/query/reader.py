@@ -146,7 +146,7 @@ class Reader:
                 f"The question has {len(text)} characters, expected at most about {fitting} of "
                 f"this kind; shorten it."
             )
-        numbers = tuple(quantity.quantity for quantity in spelled.quantities)
+        numbers = tuple(each.quantity for each in spelled.quantities)
         cache = self._decoder.started(len(spelled.ids) + MOST_WORDS)
         embedded = self._decoder.embeddings[spelled.ids]
         hidden = self._decoder.read(embedded, cache, both_ways=True)[-1]
@@ -155,7 +155,7 @@ class Reader:
         words, chance, others = self._written(begun, [], numbers, len(texts))
         lines = [(words, chance)]
         if self.calibrated(chance) < sure:
-            for beginning, share in sorted(others, key=lambda quantity: -quantity[1])[: most - 1]:
+            for beginning, share in sorted(others, key=lambda each: -each[1])[: most - 1]:
                 rest, other, _ = self._written(begun, beginning, numbers, len(texts))
                 lines.append((rest, min(other, share)))
         readings = [
