@@ -7,6 +7,7 @@ import signal
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Protocol
 
 
@@ -44,20 +45,32 @@ def uninterrupted_step() -> Iterator[None]:
         signal.raise_signal(caught[0])
 
 
+ENDING = frozenset({signal.SIGINT, signal.SIGTERM})
+"""Signals that ask a process to end."""
+
+
 @contextmanager
 def children_without_interrupts() -> Iterator[None]:
     """Start processes inside that never see Ctrl-C: it is their parent's to end them.
 
-    A terminal sends Ctrl-C to every process of a command; each worker would print a trace.
+    A terminal sends Ctrl-C to every process of a command; each worker would print a trace. What
+    asks the parent to end meanwhile waits until they are started, and is not lost. They inherit
+    that SIGTERM waits as well, and let it through by `endable`.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)  # a started program inherits this
+    resource_tracker.ensure_running()  # which lets signals through again as it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def endable() -> None:
+    """Let SIGTERM end this process, which its parent started while it waited."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
 
 
 THREAD_VARIABLES = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")

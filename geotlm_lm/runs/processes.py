@@ -15,7 +15,11 @@ from multiprocessing.process import BaseProcess
 from typing import TypeVar
 
 from geotlm_lm.core.errors import GeoTLMError
-from geotlm_lm.core.process import children_without_interrupts, one_thread_in_children
+from geotlm_lm.core.process import (
+    children_without_interrupts,
+    endable,
+    one_thread_in_children,
+)
 
 Part, Result = TypeVar("Part"), TypeVar("Result")
 Hire = Callable[[int], list[ProcessPoolExecutor]]
@@ -148,6 +152,7 @@ def threads(count: int) -> Iterator[None]:
 
 
 def _prepare_worker() -> None:
+    endable()
     import cv2
     import torch
 

@@ -201,7 +201,7 @@ def test_a_request_to_end_does_not_wait_for_shards_and_leaves_no_part_of_one(tmp
         else:
             run.send_signal(number)
         try:
-            _, printed = run.communicate(timeout=40)  # until no worker holds its end of the pipe
+            _, printed = run.communicate(timeout=8)  # until no worker holds its end of the pipe
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(run.pid, signal.SIGKILL)
