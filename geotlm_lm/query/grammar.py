@@ -32,17 +32,19 @@ from geotlm_lm.query.clauses import (
 from geotlm_lm.query.copied import copied
 from geotlm_lm.query.lines import read, write
 from geotlm_lm.query.noise import roughened
-from geotlm_lm.query.own_wordings import own_clauses, own_families, own_words
 from geotlm_lm.query.program import MOST_SLOTS, TRAITS, TWO_CLIPS, head_of, normal, type_of
 from geotlm_lm.query.quantities import find
 
-_FILES = ("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "clauses")
+_FILES = (
+    *("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "own"),
+    "clauses",
+)
 _PLACES = ("before", "after", "alone", "alone_after")
 _FIELD = re.compile(r"\{([\w-]+?)(\d?)\}")
 _CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]|\{([^{}]*\|[^{}]*)\}")
 _MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
+_MARKS = ".!?"
 SPLITS = ("train", "validation", "test")
-
 
 _SEEN = ("bool", "number", "way", "label")
 """Types of what a point of view may be put around."""
@@ -97,12 +99,9 @@ class Grammar:
             self.words |= plain.pop("words", {})
             self.words |= plain
             self.words |= {part["name"]: part for part in part_.get("quantity", ())}
-        own = own_words()
-        self.words |= own
-        self.families = [_family(part_) for file in files for part_ in file.get("family", ())]
-        self.families += own_families()
+        rows = [part_ for file in files for part_ in file.get("family", ())]
+        self.families = [family for row in rows for family in _families(row)]
         self.clauses = [_clause(part_) for file in files for part_ in file.get("clause", ())]
-        self.clauses += own_clauses(own)
         self.families += _families_of(self.clauses)
         self._check()
 
@@ -170,7 +169,7 @@ class Grammar:
         else:
             used = [family.id]
             around.text = self._filled(rng, rng.choice(family.texts), draft)
-            around.end = "" if around.text.endswith((".", "!", "?")) else family.end
+            around.end = _end(around.text, family)
             around.query = self._meant(family.query, draft)
             chosen = [] if family.complete else chosen_clauses(rng, family, clauses)
         for clause in chosen:
@@ -186,7 +185,7 @@ class Grammar:
                     break
                 next_ = _Draft(numbers=numbers)
                 words = self._filled(rng, rng.choice(other.texts), next_)
-                questions, numbers = [*questions, f"{words}{other.end}"], next_.numbers
+                questions, numbers = [*questions, f"{words}{_end(words, other)}"], next_.numbers
                 query, used = f"{query} ; {self._meant(other.query, next_)}", [*used, other.id]
             if len(questions) > 1:
                 text = listed(rng, questions, is_bare=not chosen)
@@ -312,9 +311,23 @@ def _may(clause: Clause, split: str) -> bool:
     return split_of(clause.id) != "test" or split == "test"
 
 
-def _family(row: dict[str, Any]) -> Family:
+def _families(row: dict[str, Any]) -> Iterator[Family]:
+    """Yield the family of a row, or one of each of its lines, which then ends with its own mark."""
     texts = tuple(line for line in row["texts"].strip().splitlines() if line.strip())
-    return Family(**row | {"texts": texts})
+    if not row.get("each"):
+        yield Family(**row | {"texts": texts})
+        return
+    plain = {name: value for name, value in row.items() if name != "each"}
+    name, dot, split = row["id"].partition(".")
+    for place, line in enumerate(texts, 1):
+        text = line.rstrip(_MARKS)
+        own = {"id": f"{name}-{place}{dot}{split}", "texts": (text,)}
+        end = line[len(text) :] or row.get("end", Family.end)
+        yield Family(**plain | own | {"end": end})
+
+
+def _end(text: str, family: Family) -> str:
+    return "" if text.endswith(tuple(_MARKS)) else family.end
 
 
 def _clause(row: dict[str, Any]) -> Clause:

@@ -63,6 +63,14 @@ def test_no_template_means_two_things():
             assert meant.setdefault(text.lower(), family.query) == family.query, text
 
 
+def test_lines_that_are_families_each_end_with_their_own_marks():
+    families = {one.id: one for one in grammar().families}
+    asked, told = families["way/own-1.train"], families["way/own-15.train"]
+    assert asked.end == "?"
+    assert (told.texts, told.end) == (("Describe [the|its|this] [motion|movement|direction]",), ".")
+    assert families["choice/own-two-options-1.train"].end == ""
+
+
 FAMILIES = {one.id for one in grammar().families}
 
 
