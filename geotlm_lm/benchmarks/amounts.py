@@ -47,7 +47,6 @@ from geotlm_lm.core.twist import (
     Twist,
 )
 from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
-from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
@@ -276,7 +275,7 @@ def _sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
         yield (
             f"simulated {task}",
             (
-                Moved(made.clip, unit, amount_of(made.label), made.label.motion, made.object_name)
+                Moved(made.clip, unit, made.label.amount, made.label.motion, made.object_name)
                 for made in clips
             ),
         )

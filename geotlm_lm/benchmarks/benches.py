@@ -18,7 +18,6 @@ from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, Section, Shar
 from geotlm_lm.benchmarks.omissions import SAVED
 from geotlm_lm.benchmarks.pareto import COMMANDS, METHODS, SIMULATOR, STAGES
 from geotlm_lm.benchmarks.protocols import PROTOCOLS
-from geotlm_lm.benchmarks.questions import QUESTIONS
 from geotlm_lm.benchmarks.reading import READING
 from geotlm_lm.benchmarks.stability import DAMAGE, EXTREME, NUMERICS, SCENES
 from geotlm_lm.benchmarks.tracks import TRACKS
@@ -51,7 +50,6 @@ ACCURACY = Bench(
         MIXTURES,
         AMOUNTS,
         READING,
-        QUESTIONS,
         PROTOCOLS,
     ),
 )

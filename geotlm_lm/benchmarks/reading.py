@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
@@ -12,7 +12,6 @@ import numpy as np
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.meanings import come_to_the_same
-from geotlm_lm.benchmarks.questions import detail_cell
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.grammar import corpus, grammar
@@ -130,14 +129,18 @@ def _doubt(sure: np.ndarray, exact: np.ndarray) -> dict[str, float]:
     }
 
 
+def _detail(key: str) -> Callable[[Row], str]:
+    return lambda row: format(row.detail[key], ".3f")
+
+
 _DOUBT = {
     "questions": lambda row: row.case,
     "read": lambda row: str(row.count),
     "right": lambda row: f"{1 - row.error:.3f}",
-    "mean stated": detail_cell("mean_stated"),
-    "calibration error": detail_cell("calibration_error"),
-    "read with 0.8 or more": detail_cell("sure"),
-    "wrong of these": detail_cell("sure_and_wrong"),
+    "mean stated": _detail("mean_stated"),
+    "calibration error": _detail("calibration_error"),
+    "read with 0.8 or more": _detail("sure"),
+    "wrong of these": _detail("sure_and_wrong"),
 }
 
 READING = Section(

@@ -17,14 +17,12 @@ from geotlm_lm.benchmarks.judging import Reply, Variant, timed
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
-from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.twist import WAYS, Component
-from geotlm_lm.data.questions import as_typed, questions_for
-from geotlm_lm.data.templates import load_templates
 from geotlm_lm.language.slots import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
+from geotlm_lm.query.grammar import grammar
 from geotlm_lm.recordings.idle import estimate_background, touched_part
 
 if TYPE_CHECKING:
@@ -56,8 +54,8 @@ RIVALS = FLOW, ALIGNMENT = tuple(f"{name}, of the task" for name in FITS)
 QUESTION = "Which way is it moving?"
 """Asked where any of the ten motions may come."""
 
-VERBS = {ROTATIONS: ("turn", "turning"), SLIDES: ("slide", "sliding")}
-"""Motions of a task -> slots of the templates whose words name it."""
+COMPONENTS = {ROTATIONS: ("turn", "turning"), SLIDES: ("slide", "sliding")}
+"""Motions of a task -> the word of programs that names it, and the one of questions."""
 
 NamedWays = tuple[Motion | None, tuple[Motion, ...]]
 """The motion that is named, and every way that a turn or a slide is claimed to go."""
@@ -166,33 +164,20 @@ def ways_of(turn: float, right: float, down: float) -> dict[Component, Motion]:
 
 def question_for(among: Sequence[Motion]) -> str:
     """Return the open question about motions of a task: which way it turns, slides or moves."""
-    verbs = VERBS.get(tuple(among))
-    return f"Which way is it {verbs[1]}?" if verbs else QUESTION
+    words = COMPONENTS.get(tuple(among))
+    return f"Which way is it {words[1]}?" if words else QUESTION
 
 
 def unseen_wordings(seed: int) -> Callable[[tuple[Motion, ...]], str]:
     """Return a source of open questions in wordings kept from training, another at each call.
 
-    The label they are drawn for is always the same, so that no question can give the truth away.
-    Those about turns or slides put its verb where the wording takes any.
+    They are drawn by what is asked alone, so that no question can give the truth away.
     """
-    rng, templates = generator_for(seed, "wordings", "held_out"), load_templates()
-    label, held_out = MotionLabel(Motion.CLOCKWISE), templates.types["T1"].among("held_out")
-    texts = [wording.text for wording in held_out if "{object}" in wording.text]
-
-    def question(among: tuple[Motion, ...]) -> str:
-        if among not in VERBS:
-            return questions_for(label, rng, types=("T1",), wordings="held_out")[0].question
-        verb, doing = ("{" + slot + "}" for slot in VERBS[among])
-        fitting = [
-            text.replace("{going}", doing).replace("{go}", verb)
-            for text in texts
-            if "{going}" in text or "{go}" in text
-        ]
-        text = fitting[int(rng.integers(len(fitting)))]
-        return as_typed(templates.fill(text, rng, held_out=True), templates, rng)
-
-    return question
+    words = {among: word for among, (word, _) in COMPONENTS.items()}
+    asked = {
+        word: grammar().wordings(seed, "test", f"way {word}") for word in (*words.values(), "all")
+    }
+    return lambda among: next(asked[words.get(tuple(among), "all")]).text
 
 
 def ways_claimed(answer: Answer) -> tuple[Motion, ...]:

@@ -110,6 +110,13 @@ class MotionLabel:
         across, down = self.mm_per_px
         return math.hypot(self.slide_x_mm / across, self.slide_y_mm / down)
 
+    @property
+    def amount(self) -> float | None:
+        """How far it turns, degrees, or slides, `slide_px`; None where it does neither."""
+        if self.motion in ROTATIONS:
+            return abs(self.rotation_deg)
+        return self.slide_px if self.motion in SLIDES else None
+
     def to_dict(self) -> dict[str, Any]:
         """Return the label as plain JSON values."""
         return asdict(self) | {

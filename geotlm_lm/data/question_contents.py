@@ -29,16 +29,6 @@ Content = tuple[str, Slots, list[Slots]]
 """A wording's text with what depends on the clip filled in, its true slots, and all possible."""
 
 
-def amount_of(label: MotionLabel) -> float | None:
-    """Return how far the object turns, in degrees, or slides, in pixels of the 224-pixel image.
-
-    None where it does neither, or where the size of a pixel is not known.
-    """
-    if label.motion in ROTATIONS:
-        return abs(label.rotation_deg)
-    return label.slide_px if label.motion in SLIDES else None
-
-
 def _told(
     _: Templates, kind: QuestionType, wording: Wording, label: MotionLabel, rng: np.random.Generator
 ) -> Content:

@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.data.question_contents import CONTENTS, Content, amount_of
+from geotlm_lm.data.question_contents import CONTENTS, Content
 from geotlm_lm.data.templates import QuestionType, Templates, Wording, load_templates
 from geotlm_lm.language.parse_answer import Slots
 
@@ -128,7 +128,7 @@ def written(
         answer=sentences[slots],
         slots=slots,
         options=tuple(sentences[option] for option in options),
-        amount=amount_of(label) if slots.unit is not None else None,
+        amount=label.amount if slots.unit is not None else None,
     )
 
 

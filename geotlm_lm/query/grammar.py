@@ -136,6 +136,23 @@ class Grammar:
             if pair is not None:
                 yield pair
 
+    def wordings(self, seed: int, split: str, query: str) -> Iterator[Pair]:
+        """Yield questions without end that mean `query`, with nothing around them.
+
+        Args:
+            seed: Of everything that is drawn.
+            split: One of `SPLITS`.
+            query: The pattern that families of the split mean.
+        """
+        rng = random.Random(f"{seed}/{split}/{query}")
+        families = [
+            item for item in self.families if item.query == query and split_of(item.id) == split
+        ]
+        while True:
+            pair = self._pair(rng, rng.choice(families), [], [])
+            if pair is not None:
+                yield pair
+
     def surrounded(self, rng: random.Random, pair: Pair) -> Pair:
         """Return a labelled question with clauses of the training split around it.
 

@@ -31,3 +31,12 @@ def test_a_slide_has_pixels_where_it_is_known_how_wide_and_how_high_they_are():
     label = MotionLabel(Motion.RIGHT, slide_x_mm=0.3, slide_y_mm=-0.2, mm_per_px=(0.1, 0.05))
     assert label.slide_px == pytest.approx(5)  # 3 across and 4 down
     assert MotionLabel(Motion.RIGHT, slide_x_mm=0.3).slide_px is None
+
+
+def test_the_amount_of_a_motion_is_positive_in_its_own_unit():
+    turned = MotionLabel(Motion.COUNTERCLOCKWISE, rotation_deg=-15.0, slide_y_mm=1.0)
+    assert turned.amount == 15.0
+    slid = MotionLabel(Motion.UP, rotation_deg=9.0, slide_y_mm=-1.4, mm_per_px=(0.1, 0.07))
+    assert slid.amount == pytest.approx(20.0)
+    assert MotionLabel(Motion.UP, slide_y_mm=-1.4).amount is None
+    assert MotionLabel(Motion.PRESS, depth_change_mm=0.7).amount is None

@@ -1,6 +1,5 @@
 import re
 from collections import Counter
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,7 +8,6 @@ from sklearn.linear_model import LogisticRegression
 
 from geotlm_lm.core.labels import Motion, MotionClass, MotionLabel
 from geotlm_lm.data.distractors import draw_option_set
-from geotlm_lm.data.question_contents import amount_of
 from geotlm_lm.data.questions import questions_for, with_typo
 from geotlm_lm.data.templates import load_templates
 
@@ -184,12 +182,6 @@ def test_what_has_no_amount_is_answered_with_what_it_does(type_id):
     label = MotionLabel(Motion.PRESS, depth_change_mm=0.7, mm_per_px=(0.1, 0.1))
     (asked,) = questions_for(label, np.random.default_rng(0), types=[type_id])
     assert (asked.amount, asked.slots.unit, asked.slots.direction) == (None, None, Motion.PRESS)
-
-
-def test_the_amount_of_a_slide_is_its_length_in_pixels_whatever_its_direction():
-    label = MotionLabel(Motion.RIGHT, slide_x_mm=3.0, slide_y_mm=-0.4, rotation_deg=9.0)
-    assert amount_of(label) is None
-    assert amount_of(replace(label, mm_per_px=(0.1, 0.05))) == pytest.approx(np.hypot(30, 8))
 
 
 @pytest.mark.parametrize(

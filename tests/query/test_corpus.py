@@ -63,6 +63,14 @@ def test_no_template_means_two_things():
             assert meant.setdefault(text.lower(), family.query) == family.query, text
 
 
+def test_wordings_of_a_question_are_of_their_split_and_mean_it_alone():
+    for split in SPLITS:
+        pairs = list(islice(grammar().wordings(0, split, "way all"), 50))
+        assert {pair.query for pair in pairs} == {"way all"}
+        assert {split_of(name) for pair in pairs for name in pair.families} == {split}
+        assert all(len(pair.families) == 1 for pair in pairs)
+
+
 def test_lines_that_are_families_each_end_with_their_own_marks():
     families = {one.id: one for one in grammar().families}
     asked, told = families["way/own-1.train"], families["way/own-15.train"]
