@@ -33,7 +33,7 @@ def training_templates() -> Path:
     An installed package holds only what answering reads.
     """
     folder = resource_dir("data_templates")
-    if not (folder / "slots.toml").is_file():
+    if not (folder / "query" / "lexicon.toml").is_file():
         raise MissingDependency(
             "The wordings that training reads are part of the repository, not of the installed "
             "package; run this from a checkout."

@@ -1,1 +1,1 @@
-"""Labels -> questions and answers, and labelled recordings -> clips; knows no network."""
+"""Labelled recordings -> clips and labels; knows no network."""
