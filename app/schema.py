@@ -153,7 +153,7 @@ class AnswerResult(TypedDict):
     motion: dict[str, Any] | None
     confidence: float
     abstained: bool
-    told_by: Literal["rule"]
+    told_by: Literal["model", "rule"]
     frame: dict[str, Any]
     options: dict[str, float]
     timing_ms: dict[str, float]

@@ -1,17 +1,17 @@
-"""A model bundle on disk: perception, language, calibration and model card in one folder.
+"""A model bundle on disk: perception, language model, calibration and model card in one folder.
 
-Perception is stored in half precision (the shipped bundle must stay small) and used in float32; the
-language model stores itself. Anything that is not recognised is refused.
+All is stored in half precision (the shipped bundle must stay small) and used in float32; the
+language model's folder is one that transformers reads. Anything that is not recognised is refused.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, replace
-from functools import partial
+from dataclasses import asdict, dataclass
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import torch
@@ -31,17 +31,12 @@ from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.query.reader import Reader
+from geotlm_lm.query.speaker import Speaker
 
-if TYPE_CHECKING:
-    from geotlm_lm.language.generation import Speaker
-    from geotlm_lm.language.parse_answer import AnswerGrammar
-
-BUNDLE_FORMAT = 10
+BUNDLE_FORMAT = 11
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"
-READER_DIR = "reader"
-GRAMMAR_FILE = "answers.json"
 CARD_FILE = "README.md"
 
 
@@ -50,35 +45,26 @@ class Calibration:
     """Numbers fitted on held-out simulated objects after training.
 
     Args:
-        temperature: Divides option log-likelihoods before they become probabilities.
-        felt_temperature: The same of the words at the model's slots.
+        felt_temperature: Divides the log-likelihoods of the words at the language model's slots
+            before they become probabilities.
         contact_threshold: Mean contact mask below which no direction is claimed.
     """
 
-    temperature: float = 1.0
     felt_temperature: float = 1.0
     contact_threshold: float = 0.0
 
-    def probabilities(
+    def slot_probabilities(
         self, log_likelihoods: NDArray[np.floating], *, doubt: float = 1.0
     ) -> NDArray[np.float64]:
-        """Return probabilities of options from their log-likelihoods, shape (..., options).
+        """Return probabilities of the words at a slot from their log-likelihoods, (..., words).
 
         Args:
             log_likelihoods: As the language model gives them.
             doubt: Multiplies the temperature, where a clip tells less than those it was fitted on.
         """
-        scaled = np.asarray(log_likelihoods, dtype=np.float64) / (self.temperature * doubt)
+        scaled = np.asarray(log_likelihoods, dtype=np.float64) / (self.felt_temperature * doubt)
         likelihoods = np.exp(scaled - scaled.max(axis=-1, keepdims=True))
         return likelihoods / likelihoods.sum(axis=-1, keepdims=True)
-
-    def slot_probabilities(
-        self, log_likelihoods: NDArray[np.floating], *, doubt: float = 1.0
-    ) -> NDArray[np.float64]:
-        """Return the same of the words at a slot."""
-        return replace(self, temperature=self.felt_temperature).probabilities(
-            log_likelihoods, doubt=doubt
-        )
 
     def withholds(self, claim: Motion | None, contact_share: float) -> bool:
         """Tell whether a direction is claimed of a clip that shows too little contact for one."""
@@ -91,18 +77,21 @@ class Bundle:
 
     model: GeoTLM
     motion: MotionNetwork
-    speaker: Speaker
-    grammar: AnswerGrammar
     calibration: Calibration
     provenance: dict[str, Any]
     reader: Reader
 
+    @cached_property
+    def speaker(self) -> Speaker:
+        """The language model as it speaks of clips itself; it reads questions by `reader`."""
+        return Speaker(self.reader.decoder, self.reader.spelling)
+
     def digest(self) -> str:
         """Return twelve hex digits of the weights and the calibration, for run records."""
         digest = hashlib.sha256(repr(self.calibration).encode())
-        states = _perception_states(self) | {"language": self.speaker.model.state_dict()}
-        states |= {"reader": self.reader.model.state_dict()}
-        for part, state in states.items():
+        decoder = self.reader.decoder
+        language = {"language": decoder.stored, "projector": decoder.projector}
+        for part, state in (_perception_states(self) | language).items():
             for name, value in state.items():
                 digest.update(f"{part}.{name}".encode())
                 digest.update(_bytes_of(value))
@@ -120,6 +109,8 @@ def _bytes_of(value: Any) -> bytes:
         return b"".join(map(_bytes_of, value))
     if not isinstance(value, torch.Tensor):
         return repr(value).encode()
+    if isinstance(value, np.ndarray):
+        return value.tobytes()
     plain = value.dequantize() if value.is_quantized else value.detach()
     return plain.cpu().contiguous().reshape(-1).view(torch.uint8).numpy().tobytes()
 
@@ -145,7 +136,7 @@ def embedded_reader() -> Reader:
     Raises:
         IncompatibleBundle: If the installation has none.
     """
-    return Reader.load(embedded_bundle_dir() / READER_DIR)
+    return Reader.load(embedded_bundle_dir() / LANGUAGE_DIR)
 
 
 def save_bundle(folder: Path, bundle: Bundle) -> None:
@@ -161,9 +152,7 @@ def save_bundle(folder: Path, bundle: Bundle) -> None:
     stored = {name: value.half().contiguous() for name, value in tensors.items()}
     with replacing(folder / PERCEPTION_FILE) as stream:
         stream.write(save(stored, metadata={"format": str(BUNDLE_FORMAT)}))
-    bundle.speaker.save(folder / LANGUAGE_DIR)
-    bundle.reader.save(folder / READER_DIR)
-    bundle.grammar.save(folder / GRAMMAR_FILE)
+    bundle.reader.save(folder / LANGUAGE_DIR)
     config = {
         "format": BUNDLE_FORMAT,
         "backbone": asdict(model.backbone.vit.config),
@@ -192,19 +181,14 @@ def load_bundle(folder: Path | None = None) -> Bundle:
             f"{folder}: {PERCEPTION_FILE} does not fit {CONFIG_FILE} ({first_line(error)}); train "
             f"or copy the bundle again."
         ) from error
-    from geotlm_lm.language.generation import Speaker
-    from geotlm_lm.language.parse_answer import AnswerGrammar
-
-    speaker = Speaker.load(folder / LANGUAGE_DIR)
+    reader = Reader.load(folder / LANGUAGE_DIR)
     width = model.backbone.width + BELIEF_NUMBERS
-    if speaker.model.fused_width != width:
+    if reader.decoder.clip_width != width:
         raise IncompatibleBundle(
-            f"{folder}: {LANGUAGE_DIR} reads {speaker.model.fused_width} numbers of a clip, "
+            f"{folder}: {LANGUAGE_DIR} reads {reader.decoder.clip_width} numbers of a clip, "
             f"{PERCEPTION_FILE} gives {width}; copy the bundle again."
         )
-    grammar = AnswerGrammar.load(folder / GRAMMAR_FILE)
-    reader = Reader.load(folder / READER_DIR)
-    return Bundle(model, motion, speaker, grammar, calibration, provenance, reader)
+    return Bundle(model, motion, calibration, provenance, reader)
 
 
 def read_config(folder: Path) -> dict[str, Any]:

@@ -12,10 +12,11 @@ from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.checkpoint import Calibration, load_bundle, reading_of, save_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleBundle
+from geotlm_lm.language.sequence import SequenceDecoder
 from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.training.language import LanguageTraining, new_speaker
-from tests.tiny_bundle import WIDTH, tiny_bundle
+from geotlm_lm.query.reader import Reader
+from tests.tiny_bundle import WIDTH, tiny_bundle, tiny_reader
 
 
 @pytest.fixture(scope="module")
@@ -46,9 +47,11 @@ def test_a_loaded_bundle_perceives_and_speaks_as_the_saved_one(saved):
     read, read_again = reading(bundle, before), reading(loaded, after)
     assert read.shape == (1, WIDTH + BELIEF_NUMBERS)
     torch.testing.assert_close(read_again, read, atol=2e-2, rtol=2e-2)
-    question = "Which way does it turn?"
-    assert loaded.speaker.generate(read, [question]) == bundle.speaker.generate(read, [question])
-    assert loaded.grammar == bundle.grammar
+    one, other = (each.speaker.prefix(read[0].numpy()) for each in (bundle, loaded))
+    for slot, words in one.slots.items():
+        np.testing.assert_array_equal(other.slots[slot], words)
+    said = [each.speaker.sentence(one, "Which way?", "way all", "") for each in (bundle, loaded)]
+    assert said[0] == said[1]
     assert loaded.calibration == bundle.calibration
     assert loaded.provenance == {"command": "test"}
     assert loaded.reader.spelling.words == bundle.reader.spelling.words
@@ -68,13 +71,14 @@ def test_the_digest_tells_bundles_apart_by_weights_and_calibration(saved):
     folder, _ = saved
     one, two = load_bundle(folder), load_bundle(folder)
     assert one.digest() == two.digest()
-    two.calibration = Calibration(temperature=3.0)
+    two.calibration = Calibration(felt_temperature=3.0)
     assert one.digest() != two.digest()
-    for part in (two.model.probe, two.reader.model):
-        two.calibration, before = one.calibration, two.digest()
-        with torch.no_grad():
-            next(part.parameters())[0] += 1e-3
-        assert two.digest() != before
+    two.calibration, before = one.calibration, two.digest()
+    with torch.no_grad():
+        next(two.model.probe.parameters())[0] += 1e-3
+    between = two.digest()
+    two.reader.decoder.stored["model.norm.weight"][0] += 1e-2
+    assert len({before, between, two.digest()}) == 3
 
 
 def without(name):
@@ -100,8 +104,11 @@ def with_an_unknown_part(bundle):
 
 
 def with_a_speaker_of_another_width(bundle):
-    size = LanguageTraining(size=tiny_bundle().speaker.model.size)
-    new_speaker(torch.randn(9, 5), size).save(bundle / "language")
+    reader = tiny_reader()
+    numbers = dict.fromkeys(("mean", "scale"), np.ones(5, np.float16))
+    decoder = reader.decoder
+    other = SequenceDecoder(decoder.config, decoder.stored, decoder.projector | numbers)
+    Reader(other, reader.spelling, (1.0, 0.0)).save(bundle / "language")
 
 
 OTHER_FORMAT = with_config(lambda config: config | {"format": 99})
@@ -117,12 +124,12 @@ OTHER_STEM = with_config(
             lambda bundle: (bundle / "config.json").unlink(),
             ": found no model bundle there (no config.json); give the folder that",
         ),
-        (OTHER_FORMAT, ": the bundle has format 99, this version reads 10; train it again or"),
+        (OTHER_FORMAT, ": the bundle has format 99, this version reads 11; train it again or"),
         (OTHER_STEM, f"(patch inputs have {PATCH_INPUT_DIM + 1} numbers"),
         (with_truncated_weights, ": perception.safetensors does not fit config.json ("),
         (
-            lambda bundle: (bundle / "reader" / "tokenizer.json").unlink(),
-            "reader: the reader's files are missing, broken",
+            lambda bundle: (bundle / "language" / "tokenizer.json").unlink(),
+            "language: the language model's files are missing, broken",
         ),
         (with_a_speaker_of_another_width, ": language reads 5 numbers of a clip, perception.safe"),
         (with_an_unknown_part, "(unknown parts ['wheels']); train or copy the bundle again."),

@@ -39,7 +39,8 @@ class Answer:
         notes: What was guessed or chosen on the way, one sentence each.
         decided: The word that this answer is, such as "yes", "clockwise" or "13 deg": what a
             program reads. None when nothing was decided.
-        told_by: Whose sentence it is: by rule, from what is believed.
+        told_by: Whose sentence it is: "model" where the language model says the same word for word,
+            its numbers copied from the value; else "rule".
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
             question asks something else or there is no such amount.
         motion: Every component at once, whatever was asked, in the frame that `direction` is in.
@@ -48,6 +49,8 @@ class Answer:
         resumed: The program itself, for what is asked next.
         values: What everything that was asked comes to, in its order.
         point_of_view: That was named last, in words; None where none was.
+        question: As it was typed.
+        written: The program as the model wrote it, numbers and copied words as slots.
     """
 
     text: str
@@ -62,7 +65,7 @@ class Answer:
     frames_used: tuple[int, ...]
     notes: tuple[str, ...] = ()
     decided: str | None = None
-    told_by: Literal["rule"] = "rule"
+    told_by: Literal["model", "rule"] = "rule"
     amount: Measure | None = None
     motion: MeasuredMotion | None = None
     query: str = ""
@@ -70,6 +73,8 @@ class Answer:
     resumed: Program = field(default_factory=Program)
     point_of_view: str | None = None
     values: tuple[Value, ...] = ()
+    question: str = ""
+    written: str = ""
 
     @property
     def edit(self) -> Edit:

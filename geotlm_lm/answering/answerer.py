@@ -8,7 +8,8 @@ from pathlib import Path
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
-from geotlm_lm.answering.belief_of_clip import belief_of
+from geotlm_lm.answering.asked import Asked
+from geotlm_lm.answering.belief_of_clip import belief_of, prefix_of
 from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.answering.perceiving import (
     perceive_clip,
@@ -18,9 +19,10 @@ from geotlm_lm.answering.perceiving import (
     with_found_idle,
     with_idle_of,
 )
-from geotlm_lm.answering.pipeline import Asked, compared, respond, understand
-from geotlm_lm.answering.reasons import reasoning_steps
+from geotlm_lm.answering.pipeline import compared, respond
+from geotlm_lm.answering.reasons import own_view, reasoning_steps
 from geotlm_lm.answering.session import Session
+from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -28,6 +30,7 @@ from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.language.size import SLOTS
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.recordings.scene_checks import scene_of
@@ -118,11 +121,16 @@ class Answerer:
         return tracker_of(self.bundle, recording)
 
     def believing(self, encoded: Encoded) -> Encoded:
-        """Return a clip that somebody else has perceived with what makes its belief."""
+        """Return a clip with what makes its belief, and what shows it to the language model.
+
+        One that somebody else has perceived has neither.
+        """
         require_encoded(encoded)
-        if encoded.believe is not None:
-            return encoded
-        return replace(encoded, believe=partial(belief_of, self.bundle))
+        if encoded.believe is None:
+            encoded = replace(encoded, believe=partial(belief_of, self.bundle))
+        if encoded.prefix_by is None:
+            encoded = replace(encoded, prefix_by=partial(prefix_of, self.bundle))
+        return encoded
 
     def session(self, encoded: Encoded, frame: FrameSpec = CAMERA) -> Session:
         """Return a conversation about a clip, which remembers its turns and the frame.
@@ -172,7 +180,7 @@ class Answerer:
         return compared(asked, understand(self.bundle.reader, typed, None, asked))
 
     def why(self, encoded: Encoded, answer: Answer) -> Why:
-        """Return the reasons for `answer`, by rule from the geometry.
+        """Return the reasons for `answer`, by rule from the geometry, and the model's own view.
 
         Raises:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
@@ -187,7 +195,22 @@ class Answerer:
         frame = f"The answer is told in this frame: {answer.frame.summary()}."
         measured = [] if answer.motion is None else [answer.motion.sentence()]
         source = "by rule, from the geometry the model read"
-        return Why((place, *steps, *measured, frame, conclusion), source)
+        own = self._own_view(encoded, answer)
+        return Why((place, *steps, *measured, *own, frame, conclusion), source)
+
+    def _own_view(self, encoded: Encoded, answer: Answer) -> list[str]:
+        """Return what the language model itself makes of what it was asked, where it was asked."""
+        if not answer.written or not encoded.prefix.slots:
+            return []
+        speaker, calibration = self.bundle.speaker, self.bundle.calibration
+        shares = {
+            slot: dict(zip(SLOTS[slot], calibration.slot_probabilities(each), strict=True))
+            for slot, each in encoded.prefix.slots.items()
+        }
+        is_same = answer.told_by == "model"
+        asked = answer.question, answer.written
+        sentence = "" if is_same else speaker.sentence(encoded.prefix, *asked, answer.text)
+        return [own_view(shares, sentence, is_same=is_same)]
 
 
 def _require_clip(clip: object, what: str) -> None:

@@ -14,6 +14,7 @@ from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
 from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.recordings.touch import UNTOUCHED_PROBABILITY
 from geotlm_lm.track.block import believed
 
@@ -59,6 +60,11 @@ def reading(encoded: Encoded) -> Tensor:
     token = encoded.perception.fused_token[0].float()
     numbers = encoded.belief.numbers or (0.0,) * BELIEF_NUMBERS
     return torch.cat([token, torch.tensor(numbers, dtype=token.dtype)])
+
+
+def prefix_of(bundle: Bundle, encoded: Encoded) -> TactilePrefix:
+    """Return how the language model sees a clip."""
+    return bundle.speaker.prefix(reading(encoded).numpy())
 
 
 def _contact(believed: float, encoded: Encoded) -> float:

@@ -12,6 +12,7 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.model import Perception, contact_centre
 from geotlm_lm.motion.belief import Belief
+from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track.track import Track
 
@@ -52,6 +53,7 @@ class Encoded:
             frames are all there is. The clip then holds the four that show its motion best.
         recording: What was tracked, whole.
         believe: What makes the belief of its motion, once, when first asked for.
+        prefix_by: What shows it to the language model, likewise.
     """
 
     clip: Clip
@@ -67,6 +69,7 @@ class Encoded:
     track: Track | None = None
     recording: Clip | None = None
     believe: Callable[[Encoded], Belief] | None = None
+    prefix_by: Callable[[Encoded], TactilePrefix] | None = None
 
     @property
     def view(self) -> View | None:
@@ -79,6 +82,13 @@ class Encoded:
         if self.believe is None:
             raise ValueError("nothing makes a belief of this clip; encode it by an Answerer")
         return self.believe(self)
+
+    @cached_property
+    def prefix(self) -> TactilePrefix:
+        """How the language model sees it: all it says itself starts from this one value."""
+        if self.prefix_by is None:
+            raise ValueError("no language model sees this clip; encode it by an Answerer")
+        return self.prefix_by(self)
 
     @property
     def doubt(self) -> float:

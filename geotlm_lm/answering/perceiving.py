@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from geotlm_lm.alignment.dots import activity_grey, is_marked
-from geotlm_lm.answering.belief_of_clip import belief_of
+from geotlm_lm.answering.belief_of_clip import belief_of, prefix_of
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
@@ -79,6 +79,7 @@ def perceive_clip(bundle: Bundle, clip: Clip, scene: SceneReport | None = None) 
         is_contact_known=is_contact_known,
         suspicion=scene.suspicion,
         believe=partial(belief_of, bundle),
+        prefix_by=partial(prefix_of, bundle),
     )
 
 
@@ -146,6 +147,7 @@ def perceive_recording(
         track=part,
         recording=clip,
         believe=partial(_belief, bundle, part, window),
+        prefix_by=partial(prefix_of, bundle),
     )
 
 

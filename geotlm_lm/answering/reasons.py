@@ -125,6 +125,21 @@ def reasoning_steps(
     return (*(step for step in steps if step), f"Therefore: {conclusion}")
 
 
+def own_view(slots: Mapping[str, Mapping[str, float]], sentence: str, *, is_same: bool) -> str:
+    """Return what the language model itself makes of a clip, as one sentence.
+
+    Args:
+        slots: Of each slot its words' probabilities.
+        sentence: Its own.
+        is_same: Whether that is the answer.
+    """
+    likeliest = {slot: max(shares, key=shares.__getitem__) for slot, shares in slots.items()}
+    words = (f"{slot} {word} ({slots[slot][word]:.0%})" for slot, word in likeliest.items())
+    slots_text = ", ".join(words)
+    own = "; it says the same" if is_same else f"; it says {sentence!r}" if sentence else ""
+    return f"The language model itself: {slots_text}{own}."
+
+
 def _sentence(text: str) -> str:
     return f"{text[:1].upper()}{text[1:]}."
 

@@ -7,8 +7,10 @@ from typing import Any, Protocol
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_encoded, require_frame
+from geotlm_lm.answering.asked import Asked
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.pipeline import Asked, Understood, answer, compared, understand
+from geotlm_lm.answering.pipeline import answer, compared
+from geotlm_lm.answering.understanding import Understood, understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec

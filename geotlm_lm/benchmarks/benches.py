@@ -16,6 +16,7 @@ from geotlm_lm.benchmarks.contact import CONTACT
 from geotlm_lm.benchmarks.detection import DETECTION
 from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, Section, Share
 from geotlm_lm.benchmarks.omissions import SAVED
+from geotlm_lm.benchmarks.own_answers import OWN_ANSWERS
 from geotlm_lm.benchmarks.pareto import COMMANDS, METHODS, SIMULATOR, STAGES
 from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.reading import READING
@@ -50,6 +51,7 @@ ACCURACY = Bench(
         MIXTURES,
         AMOUNTS,
         READING,
+        OWN_ANSWERS,
         PROTOCOLS,
     ),
 )

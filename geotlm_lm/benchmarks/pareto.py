@@ -67,6 +67,9 @@ from geotlm_lm.simulation.scene import Path as BodyPath
 from geotlm_lm.simulation.surface import pressed_surface
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
+LINE, SENTENCE = "way all", "It turns clockwise, about 12 degrees, in the camera image."
+"""What `QUESTION` asks, and an answer to it."""
+
 CLASSICAL = {
     "optical flow, ultrafast": RigidFlow(preset=cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST),
     "optical flow, fast": RigidFlow(),
@@ -189,6 +192,8 @@ def _stage_rows(run: Run) -> Iterator[Row]:
     perception = model.fuse(tokens)
     token, geometry = perception.fused_token, perception.geometry
     reading = reading_of(token, bundle.motion(measured(inputs, motions, geometry, token)))
+    reading = reading[0].detach().numpy()
+    prefix = speaker.prefix(reading)
     ways = {
         "track of 125 frames": lambda: run.answerer.track(recording),
         "stem": lambda: measure_clip(clip),
@@ -199,7 +204,8 @@ def _stage_rows(run: Run) -> Iterator[Row]:
         "linear probe": lambda: model.probe.predict(token),
         "belief": lambda: bundle.motion(measured(inputs, motions, geometry, token)),
         "question read": lambda: bundle.reader.read(QUESTION),
-        "language model: answer, token by token": lambda: speaker.generate(reading, [QUESTION]),
+        "language model's slots": lambda: speaker.prefix(reading),
+        "its sentence, compared": lambda: speaker.says(prefix, QUESTION, LINE, SENTENCE),
     }
     repeats = run.size(30, 1)
     for name, runs in in_turn(ways, repeats).items():

@@ -12,17 +12,17 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from geotlm_lm.alignment.dots import without_dots
-from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.benchmarks.judging import Reply, Variant, timed
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.twist import WAYS, Component
-from geotlm_lm.language.slots import SLOTS
+from geotlm_lm.language.size import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.grammar import grammar
+from geotlm_lm.query.types import WAY_ATOMS
 from geotlm_lm.recordings.idle import estimate_background, touched_part
 
 if TYPE_CHECKING:
@@ -126,15 +126,13 @@ def belief_of_slots(bundle: Bundle, encoded: Encoded) -> Belief:
     How far it goes is no word of a slot, and stays as it is believed.
     """
     ways, contact = {}, 0.0
-    for slot, logits in bundle.speaker.feel(reading(encoded)[None]).items():
-        shares = bundle.calibration.slot_probabilities(
-            logits[0].double().numpy(), doubt=encoded.doubt
-        )
+    for slot, likelihoods in encoded.prefix.slots.items():
+        shares = bundle.calibration.slot_probabilities(likelihoods, doubt=encoded.doubt)
         by_word = dict(zip(SLOTS[slot], shares.tolist(), strict=True))
         if slot == "contact":
-            contact = by_word["yes"]
+            contact = by_word["touch"]
         else:
-            ways |= {Motion(word): share for word, share in by_word.items() if word != "none"}
+            ways |= {WAY_ATOMS[word]: share for word, share in by_word.items() if word != "none"}
     ways = {way: share * contact for way, share in ways.items()}
     return replace(encoded.belief, ways=ways, contact=contact)
 

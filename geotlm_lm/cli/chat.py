@@ -121,7 +121,7 @@ class Conversation:
 
     def _stated(self, facts: str) -> FrameSpec:
         """Return the frame in which some facts hold as well."""
-        from geotlm_lm.answering.pipeline import understand
+        from geotlm_lm.answering.understanding import understand
         from geotlm_lm.query.facts import with_facts
 
         understood = understand(self.answerer.bundle.reader, facts)

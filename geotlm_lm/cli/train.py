@@ -18,8 +18,8 @@ def train(
     preset: Annotated[
         str,
         typer.Option(
-            help="smoke (minutes, to see it run), default, or full (with a reader like the "
-            "shipped one: half an hour of a GPU more)."
+            help="smoke (minutes, to see it run), default, or full (with a language model like the "
+            "shipped one: ten minutes of a GPU more)."
         ),
     ] = "default",
     seed: Seed = 0,
@@ -29,9 +29,9 @@ def train(
     device: Annotated[
         str | None, typer.Option(help="cpu or cuda; cuda where there is one if not given.")
     ] = None,
-    reader: Annotated[
+    perception: Annotated[
         Path | None,
-        path_option(help="Bundle whose reader of questions is taken; none trains one."),
+        path_option(help="Bundle whose perception is taken, and language made anew."),
     ] = None,
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
@@ -40,7 +40,7 @@ def train(
 
     Example: geotlm-lm train --preset smoke --out runs/smoke
 
-    Example: geotlm-lm train --out runs/default --reader geotlm_lm/bundle
+    Example: geotlm-lm train --preset full --out runs/language --perception geotlm_lm/bundle
 
     Example: torchrun --nproc-per-node 2 -m geotlm_lm train --out runs/default
     """
@@ -55,6 +55,6 @@ def train(
     if is_first_of_launch():
         print(f"training preset {settings.name} into {out}", file=sys.stderr)
     progress = progress_on_stderr("")
-    folder = train_bundle(settings.name, out, seed, workers, progress, device, reader)
+    folder = train_bundle(settings.name, out, seed, workers, progress, device, perception)
     if is_first_of_launch():
         print(folder)

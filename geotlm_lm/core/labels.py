@@ -45,20 +45,6 @@ SLIDES = (Motion.LEFT, Motion.RIGHT, Motion.UP, Motion.DOWN)
 DIRECTED = ROTATIONS + SLIDES
 """Motions that claim a direction in the image plane."""
 
-_CLASS_OF = {
-    **dict.fromkeys(ROTATIONS, MotionClass.ROTATION),
-    **dict.fromkeys(SLIDES, MotionClass.SLIDE),
-    Motion.PRESS: MotionClass.PRESS,
-    Motion.RELEASE: MotionClass.RELEASE,
-    Motion.STILL: MotionClass.STILL,
-    Motion.NONE: MotionClass.NONE,
-}
-
-
-def motion_class(motion: Motion) -> MotionClass:
-    """Return the kind of `motion`."""
-    return _CLASS_OF[motion]
-
 
 def signed_amount(
     motion: Motion, *, turn: float, right: float, down: float, inward: float = 0.0

@@ -1,6 +1,6 @@
-"""Fused token and question in, words out; knows nothing of touch, clips or labels' origin.
+"""The language model's decoder: ids and embeddings in, hidden states out; knows no text.
 
-Answering needs only torch, tokenizers and jinja2 (`generation`, `decoder`, `prompt`). The
-transformers classes (`model`, `processor`, `configuration`) read and write the same folder and are
-imported only by those who want them, because that import alone takes longer than a cold answer may.
+Answering needs only NumPy (`sequence`). `decoder` builds, trains and reads the same weights by
+transformers, and is imported only where they are trained, because that import alone takes longer
+than a cold answer may.
 """

@@ -40,12 +40,38 @@ def _sum(sign: int):
 
 
 def _times(context: Context, left: Expression, right: Expression) -> Numbers:
-    one, two = evaluate(left, context), evaluate(right, context)
+    one, two = (_factor(evaluate(each, context)) for each in (left, right))
     if one.unit and two.unit:
+        for speed, time in ((one, two), (two, one)):
+            if "/" in speed.unit and time.unit in p.UNITS["time"]:
+                return _way_gone(context, speed, time)
         is_turn = one.unit.partition("/")[0] in p.UNITS["angle"]
         return _arc(context, *((one, two) if is_turn else (two, one)))
-    main, other = (one, two) if one.unit else (two, one)
-    return main.also(main.values * other.values)
+    # A bare constant is exact: the product is as inexact as what it is a multiple of.
+    is_first = bool(one.unit) or (not two.unit and one.tolerance >= two.tolerance)
+    main, other = (one, two) if is_first else (two, one)
+    known = other.values[np.isfinite(other.values)]
+    size = float(np.median(np.abs(known))) if known.size else 1.0
+    return main.also(main.values * other.values, tolerance=main.tolerance * size)
+
+
+def _factor(numbers: Numbers) -> Numbers:
+    """Return a share as the number to multiply by: 30 percent of an angle are 0.3 of it."""
+    if numbers.unit != "percent":
+        return numbers
+    return numbers.also(numbers.values / 100, unit="", tolerance=numbers.tolerance / 100)
+
+
+def _way_gone(context: Context, speed: Numbers, time: Numbers) -> Numbers:
+    """Return how far what goes at a speed gets in a time."""
+    speed, time = (
+        converted(context, speed, f"{speed.unit.partition('/')[0]}/s"),
+        converted(context, time, "s"),
+    )
+    return speed.also(
+        speed.values * time.values, unit=speed.unit.removesuffix("/s"),
+        tolerance=speed.tolerance * float(np.median(time.values)), atom=None,
+    )  # fmt: skip
 
 
 def _arc(context: Context, turn: Numbers, radius: Numbers) -> Numbers:
@@ -67,6 +93,8 @@ def _over(context: Context, left: Expression, right: Expression) -> Numbers:
         if not two.unit:
             return one.also(one.values / np.where(two.values == 0, np.nan, two.values))
         one = replace(one, unit=two.unit) if left.value is not None and not one.unit else one
+        if "/" in two.unit and "/" not in one.unit:
+            return _time_of(scaled, one, two)
         if "/" not in one.unit + two.unit and _kind(one.unit) != _kind(two.unit):
             over = np.where(two.values == 0, np.nan, two.values)
             known = over[np.isfinite(over)]
@@ -75,6 +103,12 @@ def _over(context: Context, left: Expression, right: Expression) -> Numbers:
                             tolerance=one.tolerance / size, atom=None)  # fmt: skip
         two = converted(scaled, two, one.unit)
         return Numbers(one.values / np.where(two.values == 0, np.nan, two.values), "", 0.05)
+
+
+def _time_of(context: Context, way: Numbers, speed: Numbers) -> Numbers:
+    """Return how long a way takes at a speed."""
+    speed = converted(context, speed, f"{way.unit}/s")
+    return Numbers(way.values / np.where(speed.values == 0, np.nan, speed.values), "s", 0.05)
 
 
 def _kind(unit: str) -> str:

@@ -145,12 +145,13 @@ def chosen_clauses(rng: random.Random, family: Family, clauses: list[Clause]) ->
         if not _takes(family, kind):
             continue
         kinds = {kind, *(_forms_of(family.query) if kind == "form" else ())}
+        topics = {topic_of(each) for each in chosen}
         offered = [
             clause
             for clause in clauses
             if clause.kind in kinds
             and not words & set(clause.query.split())
-            and topic_of(clause) not in map(topic_of, chosen)
+            and not (topics and topic_of(clause) in topics)
         ]
         if offered:
             chosen.append(rng.choice(offered))

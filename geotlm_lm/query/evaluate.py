@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -137,12 +138,12 @@ class Context:
         """The clip asked about."""
         return self.clips[self.place]
 
-    @property
+    @cached_property
     def view(self) -> Edit:
         """The whole point of view, from the recorded image."""
         return self.edit.within(self.frame.edit)
 
-    @property
+    @cached_property
     def worlds(self) -> Worlds:
         """The worlds of the clip as it is seen."""
         return self.evidence.worlds.seen(self.view)

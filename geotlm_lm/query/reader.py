@@ -9,21 +9,17 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from functools import cached_property
+from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from safetensors.torch import load_file, save
 from tokenizers import Tokenizer
-from torch import Tensor, nn
-from torch.nn.functional import linear
 
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
-from geotlm_lm.core.files import replacing, write_text_atomically
-from geotlm_lm.language.decoder import LanguageSize, LlamaDecoder
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
+from geotlm_lm.language.size import TEXT
 from geotlm_lm.query.fitting import fitting
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.lines import read
@@ -32,8 +28,10 @@ from geotlm_lm.query.quantities import Quantity
 from geotlm_lm.query.spelling import Spelling
 from geotlm_lm.query.words import END
 
-SIZE = LanguageSize(width=192, layers=6, heads=6, mlp=512, tactile_tokens=0, max_tokens=704)
-"""3.1 million weights; a question of 2,000 characters and a query of 64 words fit."""
+SPELLING_FILE = "spelling.json"
+
+MOST_SAID = 80
+"""Tokens of an answer that the model says itself, at most."""
 
 MOST_WORDS = 80
 DOUBTFUL = 0.02
@@ -81,32 +79,19 @@ def _weighed(scores: Floats, is_unlikely: Sequence[bool]) -> Floats:
     return weighed + np.logaddexp.reduce(scores) - np.logaddexp.reduce(weighed)
 
 
-class QuestionDecoder(nn.Module):
-    """Embeddings, decoder and tied output weights over the ids of a `Spelling`."""
-
-    def __init__(self, size: LanguageSize, vocabulary: int) -> None:
-        super().__init__()
-        self.size, self.vocabulary = size, vocabulary
-        self.decoder = LlamaDecoder(size, vocabulary)
-
-    def logits(self, hidden: Tensor) -> Tensor:
-        """Return the logits over all ids."""
-        return linear(hidden, self.decoder.embed_tokens.weight)
-
-
 class Reader:
     """Reads questions.
 
     Args:
-        model: The weights; they have to stay as they are from the first question on.
+        decoder: The language model's weights.
         spelling: Their ids.
         calibration: (slope, offset) of the log-odds of a reading's probability.
     """
 
     def __init__(
-        self, model: QuestionDecoder, spelling: Spelling, calibration: tuple[float, float]
+        self, decoder: SequenceDecoder, spelling: Spelling, calibration: tuple[float, float]
     ) -> None:
-        self.model, self.spelling, self.calibration = model.eval(), spelling, calibration
+        self.decoder, self.spelling, self.calibration = decoder, spelling, calibration
 
     def read(self, text: str) -> Reading:
         """Return the most probable reading of a question.
@@ -139,7 +124,7 @@ class Reader:
             raise UsageError(
                 "The question is empty; ask something like 'Which way is it turning?'."
             )
-        room = self.model.size.max_tokens - MOST_WORDS
+        room = self.decoder.size.max_tokens - TEXT - MOST_WORDS - MOST_SAID
         if len(spelled.ids) > room:
             fitting = max(int(len(text) * 0.9 * room / len(spelled.ids)), 1)
             raise UsageError(
@@ -147,9 +132,10 @@ class Reader:
                 f"this kind; shorten it."
             )
         numbers = tuple(each.quantity for each in spelled.quantities)
-        cache = self._decoder.started(len(spelled.ids) + MOST_WORDS)
-        embedded = self._decoder.embeddings[spelled.ids]
-        hidden = self._decoder.read(embedded, cache, both_ways=True)[-1]
+        cache = self.decoder.started(len(spelled.ids) + MOST_WORDS)
+        embedded = self.decoder.embeddings[spelled.ids]
+        both_ways = np.ones((len(embedded), len(embedded)), bool)
+        hidden = self.decoder.read(embedded, cache, both_ways)[-1]
         begun = _Begun(hidden, cache, cache.length, unlikely)
         texts = tuple(each.text for each in spelled.copied)
         words, chance, others = self._written(begun, [], numbers, len(texts))
@@ -170,9 +156,9 @@ class Reader:
         chance = min(max(chance, 1e-6), 1 - 1e-6)
         return 1 / (1 + math.exp(-(slope * math.log(chance / (1 - chance)) + offset)))
 
-    @cached_property
-    def _decoder(self) -> SequenceDecoder:
-        return SequenceDecoder(self.model.decoder)
+    def calibrated_as(self, other: Reader) -> Reader:
+        """Return the same reader with another's calibration."""
+        return Reader(self.decoder, self.spelling, other.calibration)
 
     def _written(
         self,
@@ -189,7 +175,7 @@ class Reader:
         while len(words) < MOST_WORDS:
             allowed = sorted(fitting(words, numbers, texts) & self.spelling.id_of.keys())
             ids = [self.spelling.id_of[word] for word in allowed]
-            scores = log_softmax(self._decoder.logits(hidden))[ids]
+            scores = log_softmax(self.decoder.logits(hidden))[ids]
             if not begun.unlikely.isdisjoint(allowed):
                 scores = _weighed(scores, [word in begun.unlikely for word in allowed])
             order = (-scores).argsort(kind="stable")
@@ -204,44 +190,45 @@ class Reader:
             if allowed[best] == END:
                 return words, math.exp(log_chance), others
             words.append(allowed[best])
-            hidden = self._decoder.read(self._decoder.embeddings[[ids[best]]], cache)[0]
+            hidden = self.decoder.read(self.decoder.embeddings[[ids[best]]], cache)[0]
         return ["not-understood"], 0.0, others
 
     def save(self, folder: Path) -> None:
-        """Write config.json, tokenizer.json and model.safetensors (half precision), atomically."""
-        tensors = {name: one.half().contiguous() for name, one in self.model.state_dict().items()}
-        with replacing(folder / "model.safetensors") as stream:
-            stream.write(save(tensors, metadata={"format": "pt"}))
+        """Write the decoder, and beside it what reads and writes its ids, each file atomically."""
+        self.decoder.save(folder)
         write_text_atomically(folder / "tokenizer.json", self.spelling.tokenizer.to_str())
-        config = {
-            "size": asdict(self.model.size),
+        about = {
             "calibration": list(self.calibration),
             "words": list(self.spelling.words),
             "lexicon": " ".join(self.spelling.lexicon.words),
             "frequent_words": self.spelling.lexicon.frequent,
         }
-        write_text_atomically(folder / "config.json", json.dumps(config, indent=2) + "\n")
+        write_text_atomically(folder / SPELLING_FILE, json.dumps(about, indent=2) + "\n")
 
     @classmethod
     def load(cls, folder: Path) -> Reader:
-        """Read what `save` wrote.
+        """Read a language model's folder.
 
         Raises:
             IncompatibleBundle: If a file is missing or broken, or knows other words.
         """
         try:
-            config = json.loads((folder / "config.json").read_text(encoding="utf-8"))
-            tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
-            lexicon = Lexicon(tuple(config["lexicon"].split()), int(config["frequent_words"]))
-            spelling = Spelling(tokenizer, tuple(config["words"]), lexicon)
-            size = LanguageSize(**config["size"])
-            model = QuestionDecoder(size, spelling.size)
-            tensors = load_file(folder / "model.safetensors")
-            model.load_state_dict({name: one.float() for name, one in tensors.items()})
-            slope, offset = map(float, config["calibration"])
+            spelling, about = spelled_by(folder)
+            decoder = SequenceDecoder.load(folder)
+            if decoder.vocabulary != spelling.size:
+                raise ValueError(f"{decoder.vocabulary} ids for {spelling.size} words")
+            slope, offset = map(float, about["calibration"])
         except Exception as error:  # tokenizers raises nothing narrower
             raise IncompatibleBundle(
-                f"{folder}: the reader's files are missing, broken or do not belong together "
-                f"({first_line(error)}); save or download the model again."
+                f"{folder}: the language model's files are missing, broken or do not belong "
+                f"together ({first_line(error)}); save or download the model again."
             ) from error
-        return cls(model, spelling, (slope, offset))
+        return cls(decoder, spelling, (slope, offset))
+
+
+def spelled_by(folder: Path) -> tuple[Spelling, dict[str, Any]]:
+    """Return the ids of a language model's folder, and what else is told there."""
+    about = json.loads((folder / SPELLING_FILE).read_text(encoding="utf-8"))
+    tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
+    lexicon = Lexicon(tuple(about["lexicon"].split()), int(about["frequent_words"]))
+    return Spelling(tokenizer, tuple(about["words"]), lexicon), about

@@ -1,8 +1,8 @@
-"""A question as the tokens its reader sees, and a query as the tokens it writes.
+"""A question, its program and its answer as the tokens of the language model.
 
-The text's words are byte pairs of its own vocabulary. Behind those ids lie the words of a query,
-the slots among them, and what is said of a number beside its slot: its unit and its size, roughly.
-A number's digits are never read.
+The words of texts are byte pairs of its own vocabulary. Behind those ids lie the words of a
+program, the slots among them, and beside a number's slot its unit and its size, roughly. A number's
+digits are never read nor written: an answer's are copied from the value that it tells.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from functools import cached_property
 
 from tokenizers import Tokenizer
 
+from geotlm_lm.language.size import SLOTS
 from geotlm_lm.query.copied import Copied, copied
 from geotlm_lm.query.lexicon import Lexicon
 from geotlm_lm.query.lines import PROGRAM_WORDS
@@ -32,7 +33,14 @@ SIZE_WORDS = ("size:negative", "size:other", *(f"size:{size}" for size in SIZES)
 READ = "<read>"
 """Ends the question; the query begins."""
 
-WORDS = (READ, END, *PROGRAM_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+SAY = "<say>"
+"""Begins the answer."""
+SLOT_TOKENS = tuple(f"<{slot}>" for slot in SLOTS)
+NUMBERS = tuple(f"={place}" for place in range(1, 10))
+"""Numbers of an answer in their order, which are copied from its value."""
+
+WORDS = (READ, END, SAY, *SLOT_TOKENS, *NUMBERS, *PROGRAM_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _SPACES = re.compile(r"\s+")
 
 
@@ -80,17 +88,44 @@ class Spelling:
         ids: list[int] = []
         at = 0
         for start, end, slot, beside in sorted(marks, key=lambda mark: mark[0]):
-            ids += self._text(text[at:start])
+            ids += self.text(text[at:start])
             ids += [self.id_of[word] for word in (slot, *beside)]
             at = max(at, end)
-        ids += self._text(text[at:])
+        ids += self.text(text[at:])
         return Spelled([*ids, self.id_of[READ]], stated, words)
 
     def query(self, words: Sequence[str]) -> list[int]:
         """Return a query's ids, its end among them."""
         return [self.id_of[word] for word in (*words, END)]
 
-    def _text(self, text: str) -> list[int]:
+    def sentence(self, text: str) -> list[int] | None:
+        """Return an answer's ids from `SAY` to its end; None where it has too many numbers."""
+        ids, at = [self.id_of[SAY]], 0
+        numbers = list(_NUMBER.finditer(text))
+        if len(numbers) > len(NUMBERS):
+            return None
+        for word, match in zip(NUMBERS, numbers, strict=False):
+            ids += [*self.text(text[at : match.start()]), self.id_of[word]]
+            at = match.end()
+        return [*ids, *self.text(text[at:]), self.id_of[END]]
+
+    def sentence_of(self, ids: Sequence[int], numbers: Sequence[str]) -> str:
+        """Return the text of an answer's ids behind `SAY`, with the numbers of its value."""
+        first, text = self.tokenizer.get_vocab_size(), ""
+        parts: list[int] = []
+        for each in (*ids, self.id_of[END]):
+            if each < first:
+                parts.append(each)
+                continue
+            text += self.tokenizer.decode(parts) if parts else ""
+            parts, word = [], self.words[each - first]
+            if word in NUMBERS:
+                place = NUMBERS.index(word)
+                text += numbers[place] if place < len(numbers) else "?"
+        return text
+
+    def text(self, text: str) -> list[int]:
+        """Return the byte pairs of a text without numbers."""
         cleaned = cleaned_text(text)
         return self.tokenizer.encode(cleaned).ids if cleaned.strip() else []
 

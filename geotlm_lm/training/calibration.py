@@ -71,7 +71,7 @@ def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
     The log-odds of what it tells are scaled and shifted to the greatest likelihood of whether its
     readings were the right ones (Platt 1999).
     """
-    raw = Reader(reader.model, reader.spelling, (1.0, 0.0))
+    raw = Reader(reader.decoder, reader.spelling, (1.0, 0.0))
     odds, right = [], []
     for question in questions:
         reading = raw.read(question.text)
@@ -89,4 +89,4 @@ def calibrated_reader(reader: Reader, questions: Sequence[Labelled]) -> Reader:
 
     optimiser.step(loss)
     slope, offset = map(float, line.detach())
-    return Reader(reader.model, reader.spelling, (slope, offset))
+    return Reader(reader.decoder, reader.spelling, (slope, offset))

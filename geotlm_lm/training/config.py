@@ -40,7 +40,10 @@ class HeadsPreset:
     head_clips: int
     validation_clips: int
     geometry_epochs: int
-    language_steps: int
+    # Clips that answers are written about, and steps in which the language model learns to tell
+    # them, of so many questions and answers each.
+    answer_clips: int
+    answers_steps: int
     language_batch: int
 
 
@@ -48,12 +51,10 @@ class HeadsPreset:
 class TrainingPreset(HeadsPreset):
     """Sizes and lengths of one training run from nothing: heads on an encoder of its own."""
 
-    reading_steps: int  # steps of a reader of questions that learns from labels
-    reading_teachers: int  # how many of these teach the one that is stored; 0 stores the first
-    taught_steps: int  # steps of the one that they teach
-    reading_batch: int
-    # Clips of the same objects as the head clips, on which the backbone is pretrained; the
-    # language model learns from them too.
+    english_steps: int  # steps in which the language model learns English
+    reading_steps: int  # steps in which it learns what questions mean
+    question_passes: int  # how often each question that is drawn is learned from
+    # Clips of the same objects as the head clips, on which the backbone is pretrained.
     pretraining_clips: int
     test_clips: int  # clips of everyday objects, scored once for the model card
     backbone_width: int  # width d of a token
@@ -73,10 +74,11 @@ class TrainingPreset(HeadsPreset):
 
 DEFAULT = TrainingPreset(
     name="default",
+    english_steps=2_000,
     reading_steps=7_000,
-    reading_teachers=0,
-    taught_steps=0,
-    reading_batch=128,
+    question_passes=1,
+    answer_clips=4_096,
+    answers_steps=1_000,
     pretraining_clips=32_000,
     head_clips=16_000,
     validation_clips=2_000,
@@ -88,27 +90,27 @@ DEFAULT = TrainingPreset(
     pretraining_batch=32,
     geometry_epochs=30,
     geometry_clips=8_000,
-    language_steps=3_000,
-    language_batch=64,
+    language_batch=128,
 )
 
 FULL = replace(
     DEFAULT,
     name="full",
-    reading_steps=11_000,
-    reading_teachers=3,
-    taught_steps=3_500,
-    reading_batch=512,
+    english_steps=4_000,
+    reading_steps=9_000,
+    question_passes=2,
+    language_batch=512,
 )
-"""`default` with a reader like the shipped one, which takes a GPU half an hour."""
+"""`default` with a language model like the shipped one, which takes a GPU ten minutes."""
 
 SMOKE = replace(
     DEFAULT,
     name="smoke",
+    english_steps=10,
     reading_steps=20,
-    reading_teachers=0,
-    taught_steps=0,
-    reading_batch=32,
+    question_passes=1,
+    answer_clips=24,
+    answers_steps=10,
     pretraining_clips=400,
     head_clips=300,
     validation_clips=100,
@@ -119,7 +121,6 @@ SMOKE = replace(
     pretraining_draws=800,
     geometry_epochs=3,
     geometry_clips=300,
-    language_steps=60,
     language_batch=32,
 )
 
@@ -128,7 +129,8 @@ HEADS_DEFAULT = HeadsPreset(
     head_clips=3_000,
     validation_clips=500,
     geometry_epochs=30,
-    language_steps=4_000,
+    answer_clips=2_048,
+    answers_steps=600,
     language_batch=64,
 )
 
@@ -137,7 +139,8 @@ HEADS_SMOKE = HeadsPreset(
     head_clips=80,
     validation_clips=40,
     geometry_epochs=3,
-    language_steps=60,
+    answer_clips=24,
+    answers_steps=10,
     language_batch=32,
 )
 

@@ -21,14 +21,18 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import Bundle, embedded_reader
+from geotlm_lm.checkpoint import LANGUAGE_DIR, Bundle, embedded_bundle_dir, embedded_reader
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.files import append_text, reserve, write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.query.grammar import corpus
+from geotlm_lm.query.reader import Reader
 from geotlm_lm.training.config import (
     HEADS_PRESETS,
+    HeadsPreset,
     about_examples,
     claim_folder,
     example_sets,
@@ -36,8 +40,10 @@ from geotlm_lm.training.config import (
 )
 from geotlm_lm.training.examples import EXAMPLE, ExampleSet
 from geotlm_lm.training.geometry import TokenSet
+from geotlm_lm.training.language import LanguageTraining, Taught, blank_reader, train_language
 from geotlm_lm.training.recording_forms import RecordedForm
-from geotlm_lm.training.train import perceive, train_beliefs, train_perception, train_speaker
+from geotlm_lm.training.sentences import read_sentences, write_sentences
+from geotlm_lm.training.train import PER_CLIP, Seen, perceive, train_beliefs, train_perception
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.released import ReleasedEncoder
@@ -75,8 +81,33 @@ def train_heads(
     trained = train_perception(encoder, *token_sets, epochs, read_outs=None, out=out, **shared)
     clips = (perceive(trained[0], part, progress, part.tokens_of) for part in (learned, validation))
     seen = train_beliefs(*trained, *clips, **shared)
-    speaker = train_speaker(*seen.readings(), settings, seed, out, progress)
-    return seen.bundle(speaker, embedded_reader(), about, seed)
+    return seen.bundle(language_of(seen, settings, seed, out, progress), about)
+
+
+def language_of(
+    seen: Seen, settings: HeadsPreset, seed: int, out: Path, progress: Progress = silent
+) -> Reader:
+    """Return the language model that ships, taught to answer from what is seen here."""
+    width, shipped = seen.model.backbone.width, embedded_reader()
+    draft = seen.bundle(blank_reader(width), {})
+    folder, clips = out / "sentences", settings.answer_clips
+    write_sentences(folder, draft, clips, PER_CLIP, seed, progress=progress)
+    config = LanguageTraining(
+        english_steps=0,
+        reading_steps=0,
+        answers_steps=settings.answers_steps,
+        batch=settings.language_batch,
+        answers=settings.language_batch,
+        seed=seed,
+        size=shipped.decoder.size,
+    )
+    taught = Taught(
+        corpus("train"),
+        sentences=read_sentences(folder),
+        widths=(width, BELIEF_NUMBERS),
+        start=embedded_bundle_dir() / LANGUAGE_DIR,
+    )
+    return Reader.load(train_language(config, taught, out, progress)).calibrated_as(shipped)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,80 +1,91 @@
-"""Train the projector and the decoder on clips' readings and labels; the readings stay as they are.
+"""Train the language model: first English, then what questions mean, then to answer about clips.
 
-Every step asks questions, drawn afresh from the labels, seen wordings only, of which the loss
-counts answer tokens only; and what is felt in the slots, turn, slide, press and contact, of more
-clips, in one pass each.
+Each stage goes on from the weights of the one before and from its own last checkpoint. In the last
+one questions are read beside, so that nothing learned is lost. Two runs of one seed are alike, not
+equal: see `language_rows`.
 """
 
 from __future__ import annotations
 
+import json
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from itertools import islice, pairwise
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from tokenizers import Tokenizer
 from torch import Tensor
-from torch.nn.functional import cross_entropy
+from torch.nn.functional import cross_entropy, pad
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.files import resource_dir
-from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.process import Progress, silent, uninterrupted_step
-from geotlm_lm.core.twist import COMPONENTS
-from geotlm_lm.data.questions import askable_types, questions_for, training_corpus, with_typo
-from geotlm_lm.language.decoder import LanguageSize, TactileDecoder, initialise
-from geotlm_lm.language.generation import Speaker
-from geotlm_lm.language.prompt import PromptEncoder
-from geotlm_lm.language.slots import SLOTS
-from geotlm_lm.language.tokenizer import VOCABULARY_SIZE, clean_question, train_tokenizer
+from geotlm_lm.language.decoder import LanguageModel, fresh, served, stored
+from geotlm_lm.language.size import SLOTS, LanguageSize
+from geotlm_lm.language.tokenizer import byte_pairs
+from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.query.grammar import Pair, grammar
+from geotlm_lm.query.lexicon import Lexicon
+from geotlm_lm.query.reader import MOST_SAID, SPELLING_FILE, Reader, spelled_by
+from geotlm_lm.query.spelling import SLOT_TOKENS, WORDS, Spelling, plain_parts
 from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
+from geotlm_lm.training.language_rows import (
+    POOL,
+    SLOT,
+    UNASKED,
+    Batch,
+    Questions,
+    Row,
+    hidden,
+    laid,
+    positions,
+    rounded,
+    sight,
+    steps_from,
+)
+from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks
-from geotlm_lm.training.truth import component_truth
+
+if TYPE_CHECKING:
+    from geotlm_lm.training.sentences import Sentences
+
+CHECKPOINT_EVERY_S = 60.0
+VOCABULARY_PAIRS = 60_000
+"""Texts that the vocabulary of byte pairs is made from, and at most as many passages."""
 
 WEIGHT_DECAY = 0.1
 """Of the matrices; gains, biases and embeddings are left alone."""
 
-CORPUS_ROUNDS = 16
-"""Questions per type and motion the vocabulary is built from; enough to fill it."""
-
-CHECKPOINT_EVERY_S = 30.0
-
-COOLDOWN_SHARE = 1 / 9
-"""Steps after the schedule's, relative to them, in which the rate falls from its last tenth to
-nothing: the weights settle, where they would end wherever the last batches threw them."""
-
-FELT_BATCH = 256
-"""Clips whose slots are filled in a step: seven tokens each, as many as the questions' together."""
+NOISE = 0.2
+"""Deviation of the noise on the fused token, in units of its spread over the training clips:
+without it a clip can be learned by heart. The belief is a measurement with its own spread."""
 
 SILENT_SHARE = 0.15
-"""Share of prefixes that hold the fused token alone."""
+"""Share of clips of which the belief is not shown, so that the fused token is read as well."""
 
-TYPO_SHARE = 0.15
-"""Share of training questions with a mistyped word: words are also read from their pieces, so that
-neither a slip of the finger nor a noun never seen looks like a word that asks for a refusal."""
+FELT = 4.0
+"""Weight of a word at a slot against 1 for a token of a sentence: there are four, and they are what
+is held beside other ways to name a motion."""
 
-CHECKPOINT_FILE = "language_checkpoint.pt"
+UNTOLD = 0.2
+"""How often an answer that cannot tell is drawn against 1 for the others."""
 
-DRAWS = {"draws": 3}
-"""Version of how clips and questions are drawn: no run goes on with other draws."""
+STAGES = ("english", "reading", "answers")
 
-TYPE_WEIGHTS = {"T1": 6.0, "T2": 4.0, "T3": 8.0, "T17": 2.0}
-"""How often a type is asked against 1 for the others: the open question is what users ask most;
-verifying and choosing compare the clip with words of the question and are learned last; refusals
-have the widest vocabulary."""
+BESIDE = 0.1
+"""Weight of English beside questions: a passage's words stay hard to guess, and would drown what
+questions have left to learn."""
 
-MOTION_WEIGHTS = {Motion.PRESS: 2.0, Motion.RELEASE: 2.0, Motion.STILL: 2.0}
-"""How often a clip is asked about against 1 for the others. Turns and slides make two thirds of the
-clips, so that a doubtful press was called one of them. Measured with a linear read-out of the same
-tokens: a direction is claimed of 5.6 % of real presses instead of 9.3 %, of held imprints 0 instead
-of 1 %, and real turns are told as well as before."""
-
-UNASKED = -1
-"""Stands for a slot of which nothing is asked: ambiguous, or not to be seen."""
+ANSWERS = 0.5
+"""Weight of answers beside questions."""
 
 
 @dataclass(frozen=True)
@@ -82,339 +93,391 @@ class LanguageTraining:
     """How the language model is trained.
 
     Args:
-        steps: Optimiser steps before the cooldown.
-        batch: Questions per step, each about a clip drawn anew.
-        learning_rate: Peak of the schedule.
-        warmup: Steps of linear rise before the cosine fall to a tenth.
-        noise: Deviation of the Gaussian noise added to the fused token, in units of its spread over
-            the training clips. There are far more questions than clips: without noise the decoder
-            can learn a clip by heart from its token instead of the motion in it.
-        motion_width: How many numbers of a reading, the last ones, tell of the motion.
-        seed: Of weights, clips, questions and noise.
+        english_steps: Steps of the first stage, on English alone.
+        reading_steps: Steps of the second, on questions and their programs.
+        answers_steps: Steps of the third, on questions and on answers about clips.
+        batch: Questions a step.
+        english: Passages a step; a quarter of them beside questions.
+        answers: Answers about clips a step.
+        learning_rate: Peak of each stage; rises over `warmup` steps and falls to nothing as a
+            cosine. A third of it for answers.
+        warmup: Steps of the rise.
+        hidden: Mean share of a question's tokens that are hidden; each question's own is between
+            none and twice this.
+        dropout: Share of byte pairs that are left apart.
+        corpus_share: Share of questions drawn from the corpus instead of the grammar, half of them
+            with the grammar's clauses around.
+        composed_share: Share of programs composed at random.
+        passes: How often each question drawn is learned from, words hidden anew.
+        vocabulary: Byte pairs at most.
+        seed: Of weights and draws.
         size: How large the model is.
     """
 
-    steps: int = 2400
-    batch: int = 64
+    english_steps: int = 2_000
+    reading_steps: int = 7_000
+    answers_steps: int = 1_500
+    batch: int = 128
+    english: int = 128
+    answers: int = 128
     learning_rate: float = 3e-3
-    warmup: int = 100
-    noise: float = 0.2
-    motion_width: int = 0
+    warmup: int = 300
+    hidden: float = 0.06
+    dropout: float = 0.1
+    corpus_share: float = 0.2
+    composed_share: float = 0.1
+    passes: int = 1
+    vocabulary: int = 4000
     seed: int = 0
     size: LanguageSize = field(default_factory=LanguageSize)
 
-    @property
-    def all_steps(self) -> int:
-        """Optimiser steps, the cooldown's among them."""
-        return self.steps + int(self.steps * COOLDOWN_SHARE)
+    def steps_of(self, stage: str) -> int:
+        """Return how many steps a stage has."""
+        return getattr(self, f"{stage}_steps")
+
+
+@dataclass(frozen=True)
+class Taught:
+    """What a language model learns from.
+
+    Args:
+        corpus: Questions labelled one by one, of the training split.
+        passages: English; none skips that stage.
+        sentences: Answers about clips; none skips that stage.
+        widths: Of a clip's fused token and of its belief.
+        start: Folder of a language model to go on from, whatever programs it wrote. None for
+            random weights.
+    """
+
+    corpus: Sequence[Pair]
+    passages: Sequence[str] = ()
+    sentences: Sentences | None = None
+    widths: tuple[int, int] = (0, BELIEF_NUMBERS)
+    start: Path | None = None
 
 
 def train_language(
-    fused_tokens: Tensor,
-    labels: Sequence[MotionLabel],
-    *,
     config: LanguageTraining,
+    taught: Taught,
     folder: Path,
-    ranks: Ranks = ALONE,
     progress: Progress = silent,
-) -> Speaker:
-    """Return a speaker trained to answer questions about `fused_tokens`.
+    ranks: Ranks = ALONE,
+    workers: int = 0,
+) -> Path:
+    """Train a language model, not yet calibrated; return its folder, `folder`/language.
 
-    Continues from the checkpoint in `folder` when there is one of the same configuration, with the
-    same result as without the break. An interrupt saves a checkpoint first.
+    Goes on from the checkpoint in `folder`. The first rank draws and spells each step's rows, whose
+    byte pairs no seed governs, and all learn from their share.
 
     Args:
-        fused_tokens: Readings of n clips, (n, fused width), unitless.
-        labels: n labels; questions are asked of the readable ones.
         config: How to train.
+        taught: What from.
         folder: Where the checkpoint lies; the first rank writes it.
+        progress: Shown each step.
         ranks: Which process this is, and where it trains.
-        progress: Told after each step.
+        workers: Processes of the first rank that draw questions; 0 for itself.
 
     Raises:
-        ValueError: If tokens and labels differ in number, or a token is not finite.
-        UsageError: If the checkpoint belongs to another configuration, or the batch does not divide
+        UsageError: If the checkpoint belongs to another configuration, or a batch does not divide
             among the ranks.
     """
-    ranks.refuse_uneven(config.batch, FELT_BATCH)
-    if fused_tokens.ndim != 2 or len(fused_tokens) != len(labels) or not len(labels):
-        raise ValueError(f"{tuple(fused_tokens.shape)} fused tokens for {len(labels)} labels")
-    if not bool(torch.isfinite(fused_tokens).all()):
-        raise ValueError("a fused token holds values that are not finite")
-    speaker = new_speaker(fused_tokens, config)
-    model = speaker.model.to(ranks.device).train()
-    optimiser = torch.optim.AdamW(parameter_groups(model), betas=(0.9, 0.98))
-    step = restore_language(folder, config, model, optimiser)
-    asked = [row for row, label in enumerate(labels) if label.is_readable]
-    shares, felt = drawing_shares([labels[row] for row in asked]), felt_words(labels)
-    saved_at = time.monotonic()
-    try:
-        while step < config.all_steps:
-            with uninterrupted_step():
-                drawn = draw_clips(shares, config.batch, seed=config.seed, step=step)
-                chosen = [asked[place] for place in drawn]
-                others = generator_for(config.seed, "language", "felt", step).integers(
-                    len(labels), size=FELT_BATCH
-                )
-                loss = _step(
-                    speaker,
-                    optimiser,
-                    (fused_tokens[chosen], [labels[row] for row in chosen]),
-                    (fused_tokens[others], felt[others]),
-                    config,
-                    step,
-                    ranks,
-                )
-                step += 1
-            progress(f"train language, loss {loss:.3f}", step, config.all_steps)
-            if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
-                store_language(folder, config, model, optimiser, step)
-                saved_at = time.monotonic()
-    finally:
-        if ranks.is_first:
-            store_language(folder, config, model, optimiser, step)
-    return Speaker(model.cpu(), speaker.prompts)
+    ranks.refuse_uneven(config.batch, config.english, config.answers)
+    if (folder / "language" / SPELLING_FILE).exists():
+        return folder / "language"
+    spelling = ranks.from_first(lambda: _spelling(config, taught, folder))
+    model = _begun(config, taught, spelling).to(ranks.device).train()
+    optimiser = Muon(orthogonal_groups(parameter_groups(model)), betas=(0.9, 0.98))
+    stage, step = _restored(folder, config, model, optimiser)
+    for name in STAGES[STAGES.index(stage) :]:
+        begin = step if name == stage else 0
+        if _is_taught(name, taught):
+            run = _Stage(name, config, taught, spelling, ranks, workers, progress)
+            run.train(model, optimiser, begin, folder)
+    spelling.tokenizer.model.dropout = None
+    if ranks.is_first:
+        Reader(served(model.cpu()), spelling, (1.0, 0.0)).save(folder / "language")
+    return folder / "language"
 
 
-def new_speaker(fused_tokens: Tensor, config: LanguageTraining) -> Speaker:
-    """Return the speaker before its first step: vocabulary, fresh weights, measured scale."""
-    rng = generator_for(config.seed, "language", "vocabulary")
-    corpus = training_corpus(rng, CORPUS_ROUNDS)
-    answers = set(corpus[1::2])
-    cleaned = [clean_question(question) for question in corpus[::2]]
-    tokenizer = train_tokenizer([*cleaned, *sorted(answers) * 20], VOCABULARY_SIZE)
-    template = (resource_dir("prompts") / "chat_template.jinja").read_text(encoding="utf-8")
-    size = config.size
-    prompts = PromptEncoder(tokenizer, template, size.tactile_tokens, size.max_tokens)
-    # torch fills new layers from its global generator; what it draws is replaced below.
-    with torch.random.fork_rng(devices=[]):
-        model = TactileDecoder(
-            size,
-            fused_width=fused_tokens.shape[1],
-            vocabulary=tokenizer.get_vocab_size(),
-            tactile_id=prompts.tactile_id,
+def blank_reader(token_width: int) -> Reader:
+    """Return a language model that has learned nothing, for a bundle that only sees."""
+    spelling = Spelling(byte_pairs(["which way?"], 256))
+    size, widths = LanguageSize(16, 1, 1, 16), (token_width, BELIEF_NUMBERS)
+    model = fresh(size, spelling.size, widths, _generator(0, "blank"))
+    return Reader(served(model), spelling, (1.0, 0.0))
+
+
+def _is_taught(stage: str, taught: Taught) -> bool:
+    needed = {"english": taught.passages, "reading": True, "answers": taught.sentences}
+    return bool(needed[stage])
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """One stage of a training."""
+
+    name: str
+    config: LanguageTraining
+    taught: Taught
+    spelling: Spelling
+    ranks: Ranks
+    workers: int
+    progress: Progress
+
+    @property
+    def steps(self) -> int:
+        return self.config.steps_of(self.name)
+
+    def train(self, model: LanguageModel, optimiser: Muon, step: int, folder: Path) -> None:
+        """Take the steps that are left from `step` on."""
+        config, ranks = self.config, self.ranks
+        if self.name == "answers" and not step:
+            model.projector.standardise_by(torch.from_numpy(self.taught.sentences.numbers).float())
+        draws = self._batches(step)
+        saved_at = time.monotonic()
+        try:
+            while step < self.steps:
+                for group in optimiser.param_groups:
+                    group["lr"] = self.rate_at(step)
+                batches = ranks.from_first(lambda: next(draws))
+                with uninterrupted_step():
+                    loss = self._step(model, batches, optimiser, step)
+                    step += 1
+                self.progress(f"language, {self.name}, loss {loss:.3f}", step, self.steps)
+                if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
+                    _save(folder, config, model, optimiser, self.name, step)
+                    saved_at = time.monotonic()
+        finally:
+            if ranks.is_first:
+                _save(folder, config, model, optimiser, self.name, step)
+
+    def rate_at(self, step: int) -> float:
+        """Return the learning rate of a step."""
+        config = self.config
+        peak = config.learning_rate / (3 if self.name == "answers" else 1)
+        warmup = min(config.warmup, self.steps // 4)
+        if step < warmup:
+            return peak * (step + 1) / warmup
+        share = (step - warmup) / max(self.steps - warmup, 1)
+        return peak * 0.5 * (1 + math.cos(math.pi * share))
+
+    def _batches(self, step: int) -> Iterator[list[Batch]]:
+        """Yield each step's batches; nothing is drawn before the first is asked for."""
+        config, is_english = self.config, self.name == "english"
+        drawing = Questions(
+            self.spelling,
+            self.taught.corpus,
+            0 if is_english else config.batch,
+            config.corpus_share,
+            config.composed_share,
+            self.taught.passages,
+            config.english if is_english else config.english // 4,
+            config.size.max_tokens,
+            seed_for(config.seed, "language", self.name),
         )
-    initialise(model, size.layers, _torch_generator(config.seed, "weights"))
-    model.projector.standardise_by(fused_tokens)
-    return Speaker(model, prompts)
+        drawn = steps_from(drawing, step, self.workers, config.passes)
+        if self.name != "answers":
+            yield from drawn
+        answers, made, parts = _Answers(self.taught.sentences, self.spelling), -1, []
+        for place, batches in enumerate(drawn, step):
+            pool, part = divmod(place, POOL)
+            if pool != made:
+                rng = generator_for(config.seed, "language", "answers", pool)
+                made, parts = pool, answers.pool(rng, config.answers)
+            yield [*batches, parts[part]]
+
+    def _step(
+        self, model: LanguageModel, batches: list[Batch], optimiser: Muon, step: int
+    ) -> float:
+        """Learn from this rank's share of the rows; return the loss of all."""
+        config, ranks = self.config, self.ranks
+        optimiser.zero_grad(set_to_none=True)
+        total = 0.0
+        for place, batch in enumerate(batches):
+            draws = _generator(config.seed, self.name, "hidden", step, place)
+            is_hidden, wanted = hidden(batch, config.hidden, draws)
+            prefix = self._prefix(model, batch, draws)
+            asked = max(int((wanted != UNASKED).sum()), 1) / ranks.count
+            asked /= self._weights()[place]
+            mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
+            if len(mine.ids):
+                with ranks.bfloat16_products():
+                    loss = _loss(model, mine, ranks.share(is_hidden), prefix, ranks.device)
+                (loss / asked).backward()
+                total += loss.item() / asked
+        total = ranks.average(model.parameters(), total)
+        torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
+        optimiser.step()
+        return total
+
+    def _weights(self) -> tuple[float, ...]:
+        """Return the weights of a step's batches, in their order."""
+        if self.name == "english":
+            return (1.0,)
+        return (1.0, *[BESIDE] * bool(self.taught.passages), ANSWERS)
+
+    def _prefix(self, model: LanguageModel, batch: Batch, draws: torch.Generator) -> Tensor | None:
+        """Return the standardised numbers of this rank's clips, the fused token's with noise."""
+        if int(batch.clip[0]) == UNASKED:
+            return None
+        numbers = torch.from_numpy(self.taught.sentences.numbers[batch.clip.numpy()]).float()
+        token_width = model.projector.widths[0]
+        noise = NOISE * torch.randn((len(numbers), token_width), generator=draws)
+        is_silent = torch.rand(len(numbers), generator=draws) < SILENT_SHARE
+        mean, scale = model.projector.mean.cpu(), model.projector.scale.cpu()
+        numbers = (numbers - mean) / scale
+        numbers[:, :token_width] += noise
+        numbers[is_silent, token_width:] = 0
+        return self.ranks.share(numbers)
 
 
-def _step(
-    speaker: Speaker,
-    optimiser: torch.optim.Optimizer,
-    asked: tuple[Tensor, Sequence[MotionLabel]],
-    others: tuple[Tensor, Tensor],
-    config: LanguageTraining,
-    step: int,
-    ranks: Ranks,
-) -> float:
-    """Ask one question about each clip, what is felt of others, and learn from the answers.
+@dataclass(frozen=True, eq=False)
+class _Answers:
+    """Draws answers about clips, and what is felt in them."""
 
-    Each rank learns from its share of them; the loss of all is returned.
-    """
-    fused_tokens, labels = asked
-    rng = generator_for(config.seed, "language", "batch", step)
-    prompts, answers = [], []
-    for label in labels:
-        (asked,) = questions_for(label, rng, types=[draw_type(label, rng)])
-        mistyped = rng.random() < TYPO_SHARE
-        question = with_typo(asked.question, rng) if mistyped else asked.question
-        prompts.append(speaker.prompts.prompt(question))
-        answers.append(speaker.prompts.answer(asked.answer))
-    model = speaker.model
-    device = ranks.device
-    token = _disturbed(model, fused_tokens.to(device), config, step, "noise")
-    felt_of = _disturbed(model, others[0].to(device), config, step, "felt noise")
-    per_rank = sum(map(len, answers)) / ranks.count
-    optimiser.zero_grad(set_to_none=True)
-    total = 0.0
-    for part in map(ranks.share, _by_length(prompts, answers)):
-        if part:
-            with ranks.bfloat16_products(on_cpu=False):
-                loss = answer_loss(
-                    model, token[part], [prompts[i] for i in part], [answers[i] for i in part]
-                )
-            (loss / per_rank).backward()
-            total += loss.item()
-    with ranks.bfloat16_products(on_cpu=False):
-        felt = felt_loss(speaker, ranks.share(felt_of), ranks.share(others[1]).to(device))
-    felt.backward()
-    told = ranks.average(model.parameters(), total / per_rank)
-    torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
-    for group in optimiser.param_groups:
-        group["lr"] = learning_rate_at(step, config)
-    optimiser.step()
-    return told
+    sentences: Sentences
+    spelling: Spelling
+
+    def pool(self, rng: np.random.Generator, count: int) -> list[Batch]:
+        """Return the rows of `POOL` steps, each step's about `count` of one length."""
+        drawn = rng.choice(len(self.sentences.rows), size=POOL * count, p=self._shares)
+        rows = list(filter(None, map(self._row, drawn)))
+        rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
+        ends = [place * len(rows) // POOL for place in range(POOL + 1)]
+        parts = [self._batch(rows[start:end]) for start, end in pairwise(ends)]
+        return [parts[place] for place in rng.permutation(POOL)]
+
+    def _batch(self, rows: list[Row]) -> Batch:
+        """Return rows side by side, the slots' words asked as well."""
+        slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
+        batch = laid(rows, slots)
+        words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
+        wanted = batch.wanted.clone()
+        at = (batch.kind[0] == SLOT).nonzero()[:, 0]
+        for place, ids in enumerate(words):
+            felt = self.sentences.words[batch.clip.numpy(), place]
+            asked = [ids[word] if word != UNASKED else UNASKED for word in felt]
+            wanted[:, at[place]] = torch.tensor(asked)
+        return batch._replace(wanted=wanted)
+
+    @cached_property
+    def _shares(self) -> NDArray[np.float64]:
+        """How often each row is drawn: what tells nothing seldom, as it is always the same."""
+        weights = np.array([1.0 if row.is_told else UNTOLD for row in self.sentences.rows])
+        return weights / weights.sum()
+
+    def _row(self, place: int) -> Row | None:
+        row = self.sentences.rows[place]
+        sentence = self.spelling.sentence(row.sentence)
+        if sentence is None or len(sentence) > MOST_SAID:
+            return None
+        question = self.spelling.question(row.text).ids
+        return Row(question, self.spelling.query(row.query.split()), sentence, row.clip)
 
 
-def _disturbed(
-    model: TactileDecoder, readings: Tensor, config: LanguageTraining, step: int, name: str
+def _loss(
+    model: LanguageModel, batch: Batch, is_hidden: Tensor, prefix: Tensor | None, device: str
 ) -> Tensor:
-    """Return standardised readings with noise, some of them without what tells of the motion."""
-    token = model.projector.standardise(readings)
-    noise = torch.randn(token.shape, generator=_torch_generator(config.seed, name, step))
-    noise = noise.to(token.device)
-    if not config.motion_width:
-        return token + config.noise * noise
-    # The motion is a measurement with its own spread: noise would only blur it.
-    noise[:, -config.motion_width :] = 0
-    token = token + config.noise * noise
-    is_silent = generator_for(config.seed, "language", name, "silent", step).random(len(token))
-    is_silent = torch.from_numpy(is_silent < SILENT_SHARE).to(token.device)
-    token[is_silent, -config.motion_width :] = 0
-    return token
+    """Return the summed cross entropy of what is wanted, in nats."""
+    on_device = [x.to(device, non_blocking=True) for x in (batch.ids, batch.kind, batch.wanted)]
+    ids, kind, wanted = on_device
+    embedded = model.embed(ids) * ~is_hidden.to(device)[..., None]
+    if prefix is not None:
+        made = model.projector.from_standardised(prefix.to(device)).to(embedded.dtype)
+        embedded = torch.cat([made, embedded[:, made.shape[1] :]], dim=1)
+    states = model.states(embedded, sight(kind), positions(kind))
+    is_wanted = wanted != UNASKED
+    count = int(is_wanted.sum())
+    spare = rounded(count, 64) - count
+    asked = pad(states[is_wanted], (0, 0, 0, spare))
+    labels = pad(wanted[is_wanted], (0, spare), value=UNASKED)
+    costs = cross_entropy(
+        model.logits(asked).float(), labels, reduction="none", ignore_index=UNASKED
+    )
+    weights = torch.where(kind == SLOT, FELT, 1.0)[is_wanted]
+    return (costs[:count] * weights).sum()
 
 
-def answer_loss(
-    model: TactileDecoder, token: Tensor, prompts: list[list[int]], answers: list[list[int]]
-) -> Tensor:
-    """Return the summed cross entropy of the answer tokens alone, in nats.
-
-    Rows are padded on the right: under causal order no text position sees a padding one.
-    """
-    rows = [prompt + answer for prompt, answer in zip(prompts, answers, strict=True)]
-    length, device = max(map(len, rows)), token.device
-    ids = torch.tensor([row + [0] * (length - len(row)) for row in rows], device=device)
-    starts = torch.tensor([len(prompt) for prompt in prompts], device=device)[:, None]
-    ends = torch.tensor([len(row) for row in rows], device=device)[:, None]
-    place = torch.arange(length, device=device)
-    is_answer = (place >= starts) & (place < ends)
-    prefix = model.projector.from_standardised(token)
-    hidden = model.decoder(model.embed(ids, prefix))
-    before = hidden[:, :-1][is_answer[:, 1:]]
-    return cross_entropy(model.logits(before), ids[is_answer], reduction="sum")
-
-
-def learning_rate_at(step: int, config: LanguageTraining) -> float:
-    """Return the rate of `step`: linear rise, cosine fall to a tenth of the peak, then to zero."""
-    if step < config.warmup:
-        return config.learning_rate * (step + 1) / config.warmup
-    if step >= config.steps:
-        return (
-            0.1
-            * config.learning_rate
-            * (config.all_steps - step)
-            / (config.all_steps - config.steps)
-        )
-    share = (step - config.warmup) / max(1, config.steps - config.warmup)
-    return config.learning_rate * (0.1 + 0.45 * (1 + math.cos(math.pi * share)))
+def _spelling(config: LanguageTraining, taught: Taught, folder: Path) -> Spelling:
+    """Return byte pairs and frequent words: those of a model to go on from, or made of texts."""
+    if taught.start is not None:
+        before, _ = spelled_by(taught.start)
+        spelling = Spelling(before.tokenizer, lexicon=before.lexicon)
+    elif (folder / "vocabulary.json").exists():
+        rows = json.loads((folder / "vocabulary.json").read_text(encoding="utf-8"))
+        lexicon = Lexicon(tuple(rows["lexicon"]), rows["frequent"])
+        spelling = Spelling(Tokenizer.from_str(rows["tokenizer"]), lexicon=lexicon)
+    else:
+        spelling = Spelling(*train_vocabulary(config, taught.corpus, taught.passages))
+        folder.mkdir(parents=True, exist_ok=True)
+        rows = {"tokenizer": spelling.tokenizer.to_str(), "lexicon": spelling.lexicon.words}
+        rows["frequent"] = spelling.lexicon.frequent
+        write_text_atomically(folder / "vocabulary.json", json.dumps(rows))
+    spelling.tokenizer.model.dropout = config.dropout
+    return spelling
 
 
-def _by_length(
-    prompts: list[list[int]], answers: list[list[int]], parts: int = 4
-) -> list[list[int]]:
-    """Return row numbers in groups of like length: less padding to multiply by."""
-    lengths = [len(p) + len(a) for p, a in zip(prompts, answers, strict=True)]
-    order = np.argsort(lengths, kind="stable")
-    return [part.tolist() for part in np.array_split(order, parts) if len(part)]
+def train_vocabulary(
+    config: LanguageTraining, corpus: Sequence[Pair], passages: Sequence[str] = ()
+) -> tuple[Any, tuple[str, ...], Lexicon]:
+    """Return byte pairs made from questions and English, program words, and frequent words."""
+    pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
+    texts = [part for pair in pairs for part in plain_parts(pair.text)]
+    lexicon = Lexicon.of(texts)
+    texts += list(passages[: VOCABULARY_PAIRS // 2])
+    return byte_pairs(texts, config.vocabulary), WORDS, lexicon
+
+
+def _begun(config: LanguageTraining, taught: Taught, spelling: Spelling) -> LanguageModel:
+    """Return a model of random weights, or one that goes on from another's."""
+    weights = _generator(config.seed, "weights")
+    model = fresh(config.size, spelling.size, taught.widths, weights)
+    if taught.start is None:
+        return model
+    before, (other, _) = stored(taught.start), spelled_by(taught.start)
+    own, others = model.embed_weight().data.clone(), before.embed_weight().data
+    texts = spelling.tokenizer.get_vocab_size()
+    own[:texts] = others[:texts]
+    for word in spelling.id_of.keys() & other.id_of.keys():
+        own[spelling.id_of[word]] = others[other.id_of[word]]
+    state = before.llama.state_dict()
+    state = {name: x for name, x in state.items() if x.shape != others.shape}
+    model.llama.load_state_dict(state, strict=False)
+    model.embed_weight().data.copy_(own)
+    if before.projector.widths == model.projector.widths:
+        model.projector.load_state_dict(before.projector.state_dict())
+    return model
 
 
 def parameter_groups(model: torch.nn.Module) -> list[dict]:
-    """Return the weights of a decoder for its optimiser: the matrices decay, the others do not."""
-    decayed = [p for n, p in model.named_parameters() if p.ndim == 2 and "embed_tokens" not in n]
-    plain = [p for n, p in model.named_parameters() if p.ndim < 2 or "embed_tokens" in n]
+    """Return the weights for their optimiser: the matrices decay, the others do not."""
+    named = list(model.named_parameters())
+    decayed = [p for n, p in named if p.ndim == 2 and "embed_tokens" not in n]
+    plain = [p for n, p in named if p.ndim < 2 or "embed_tokens" in n]
     return [
         {"params": decayed, "weight_decay": WEIGHT_DECAY},
         {"params": plain, "weight_decay": 0.0},
     ]
 
 
-def _torch_generator(seed: int, *names: str | int) -> torch.Generator:
+def _generator(seed: int, *names: str | int) -> torch.Generator:
     return torch.Generator().manual_seed(seed_for(seed, "language", *names))
 
 
-def drawing_shares(labels: Sequence[MotionLabel]) -> NDArray[np.float64]:
-    """Return how probable it is that a draw gives a clip or one before it, (n,)."""
-    weights = np.array([MOTION_WEIGHTS.get(label.motion, 1.0) for label in labels])
-    return np.cumsum(weights) / weights.sum()
+def _save(folder: Path, config, model, optimiser, stage: str, step: int) -> None:
+    state = {"config": asdict(config), "stage": stage, "step": step, "model": model.state_dict()}
+    save_checkpoint(folder / "language.pt", state | {"optimiser": optimiser.state_dict()})
 
 
-def draw_clips(
-    shares: NDArray[np.float64], count: int, *, seed: int, step: int
-) -> NDArray[np.int64]:
-    """Return the places of the `count` clips asked about in `step`."""
-    rng = generator_for(seed, "language", "clips", step)
-    return np.searchsorted(shares[:-1], rng.random(count), side="right")
-
-
-def draw_type(label: MotionLabel, rng: np.random.Generator) -> str:
-    """Return the type of one training question, the hard types more often."""
-    among = askable_types(label)
-    weights = np.array([TYPE_WEIGHTS.get(type_id, 1.0) for type_id in among])
-    return among[int(rng.choice(len(among), p=weights / weights.sum()))]
-
-
-def felt_words(labels: Sequence[MotionLabel]) -> Tensor:
-    """Return the place of the true word at each slot, `UNASKED` where nothing is asked, (n, 4)."""
-    places = []
-    for label in labels:
-        truth, row = component_truth(label), []
-        for component in COMPONENTS:
-            words, wanted = SLOTS[component], truth.moves[component]
-            if wanted:
-                row.append(words.index(truth.twist.way(component)))
-            else:
-                row.append(UNASKED if wanted is None else words.index("none"))
-        places.append([*row, SLOTS["contact"].index("yes" if truth.is_touched else "no")])
-    return torch.tensor(places)
-
-
-def felt_loss(speaker: Speaker, token: Tensor, words: Tensor) -> Tensor:
-    """Return the mean cross entropy of what is felt, summed over the slots, in nats.
-
-    Readings are standardised, (b, fused width); words are as in `felt_words`.
-    """
-    model, prompts = speaker.model, speaker.prompts
-    prefix = model.projector.from_standardised(token)
-    slots = model.slot_logits(prefix, prompts.slot_prompt, prompts.slot_words)
-    losses = [
-        cross_entropy(logits, words[:, place], ignore_index=UNASKED, reduction="sum")
-        for place, logits in enumerate(slots.values())
-    ]
-    return torch.stack(losses).sum() / len(words)
-
-
-def store_language(
-    folder: Path,
-    config: LanguageTraining,
-    model: torch.nn.Module,
-    optimiser: torch.optim.Optimizer,
-    step: int,
-) -> None:
-    """Write the state after `step` steps, atomically."""
-    state = {
-        "config": asdict(config) | DRAWS,
-        "step": step,
-        "model": model.state_dict(),
-        "optimiser": optimiser.state_dict(),
-    }
-    save_checkpoint(folder / CHECKPOINT_FILE, state)
-
-
-def restore_language(
-    folder: Path, config: LanguageTraining, model: torch.nn.Module, optimiser: torch.optim.Optimizer
-) -> int:
-    """Restore the state in `folder` and return its step; 0 when there is none.
-
-    Raises:
-        UsageError: If it belongs to another configuration or other tokens, or cannot be read.
-    """
-    path = folder / CHECKPOINT_FILE
-    state = load_checkpoint(path)
+def _restored(folder: Path, config, model, optimiser) -> tuple[str, int]:
+    state = load_checkpoint(folder / "language.pt")
     if state is None:
-        return 0
-    found = state.get("config", {})
-    asked = asdict(config) | DRAWS
-    differing = sorted(name for name, value in asked.items() if found.get(name) != value)
-    if not differing and not torch.equal(
-        state["model"]["model.projector.mean"], model.projector.mean.cpu()
-    ):
-        differing = ["fused_tokens"]
-    if differing:
+        return STAGES[0], 0
+    if state["config"] != asdict(config):
         raise UsageError(
-            f"{path}: was trained with another setting of {differing}; delete it to start over, or "
-            f"train into another folder."
+            f"{folder / 'language.pt'}: was trained with other settings; delete it to start over, "
+            f"or train into another folder."
         )
     model.load_state_dict(state["model"])
     optimiser.load_state_dict(state["optimiser"])
-    return int(state["step"])
+    return str(state["stage"]), int(state["step"])

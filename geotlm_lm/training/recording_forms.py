@@ -65,6 +65,7 @@ class RecordedForm:
     label: MotionLabel  # what happens until the last of them
     order: list[int]  # which of the simulated frames they are
     truth: SimulatedClip  # what was simulated, in the same image
+    is_idle_known: bool  # whether the background is the idle gel itself
 
 
 def as_recorded(
@@ -86,7 +87,8 @@ def as_recorded(
         clip, label = damage_clip(clip, label, simulated.trace_until(max(order)).change_grey, rng)
     if not is_idle_known:
         clip = replace(clip, background=estimate_background(clip.frames))
-    return RecordedForm(clip, MIRRORED.of_label(label) if is_mirrored else label, order, simulated)
+    label = MIRRORED.of_label(label) if is_mirrored else label
+    return RecordedForm(clip, label, order, simulated, is_idle_known)
 
 
 def mirrored(simulated: SimulatedClip) -> SimulatedClip:

@@ -1,8 +1,8 @@
-"""Score a finished bundle on fused tokens, and write its model card: by code alone."""
+"""Score a finished bundle on perceived clips, and write its model card: by code alone."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,26 +11,22 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
-from torch.nn.functional import pad
 
 from geotlm_lm.checkpoint import CARD_FILE, Bundle, reading_of
 from geotlm_lm.core.files import write_text_atomically
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
-from geotlm_lm.core.numbers import generator_for
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.core.twist import COMPONENTS
-from geotlm_lm.data.questions import WORDINGS, QuestionAnswer, questions_for
+from geotlm_lm.language.size import SLOTS
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.query.types import WAY_ATOMS
 from geotlm_lm.simulation.gels import GELS, HELD_OUT_GELS, TRAINING_GELS, Print
-from geotlm_lm.training.calibration import expected_calibration_error
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
-from geotlm_lm.training.language import UNASKED, felt_words
-
-OPEN_TYPE = "T1"
+from geotlm_lm.training.sentences import UNASKED, felt_words
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,20 +60,6 @@ class ClipSet:
         )
 
 
-def true_option_likelihoods(
-    bundle: Bundle, clips: ClipSet, seed: int
-) -> tuple[NDArray[np.floating], NDArray[np.integer]]:
-    """Return log-likelihoods (n, options) of the answers to an open question, and the true ones."""
-    rows, truths = [], []
-    readings = clips.readings(bundle)
-    for row in clips.readable():
-        asked = _asked(clips.labels[row], seed, row, "seen", (OPEN_TYPE,))[0]
-        scores = bundle.speaker.score(readings[row], asked.question, asked.options)
-        rows.append(scores)
-        truths.append(asked.options.index(asked.answer))
-    return np.array(rows), np.array(truths)
-
-
 def felt_likelihoods(
     bundle: Bundle, clips: ClipSet
 ) -> tuple[NDArray[np.floating], NDArray[np.integer]]:
@@ -86,15 +68,21 @@ def felt_likelihoods(
     Slots have different numbers of words: what a slot lacks has likelihood 0. Log-likelihoods are
     (n, words), true words (n,).
     """
-    felt, wanted = bundle.speaker.feel(clips.readings(bundle)), felt_words(clips.labels)
-    most = max(logits.shape[1] for logits in felt.values())
+    felt, wanted = _felt(bundle, clips.readings(bundle)), felt_words(clips.labels).numpy()
+    most = max(map(len, SLOTS.values()))
     rows, truths = [], []
-    for place, logits in enumerate(felt.values()):
+    for place, likelihoods in enumerate(felt.values()):
         asked = wanted[:, place] != UNASKED
-        lacking = (0, most - logits.shape[1])
-        rows.append(pad(logits[asked], lacking, value=-torch.inf).double().numpy())
-        truths.append(wanted[asked, place].numpy())
+        lacking = (0, 0), (0, most - likelihoods.shape[1])
+        rows.append(np.pad(likelihoods[asked], lacking, constant_values=-np.inf))
+        truths.append(wanted[asked, place])
     return np.concatenate(rows), np.concatenate(truths)
+
+
+def _felt(bundle: Bundle, readings: Tensor) -> dict[str, NDArray[np.float64]]:
+    """Return the log-likelihoods of the words at each slot, (n, words)."""
+    felt = [bundle.speaker.prefix(each).slots for each in readings.detach().numpy()]
+    return {slot: np.array([each[slot] for each in felt], np.float64) for slot in SLOTS}
 
 
 def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> dict[str, float]:
@@ -104,96 +92,40 @@ def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> d
     """
     readings = clips.readings(bundle)
     if is_silent:
-        readings[:, -BELIEF_NUMBERS:] = bundle.speaker.model.projector.mean[-BELIEF_NUMBERS:]
-    felt, wanted = bundle.speaker.feel(readings), felt_words(clips.labels)
+        mean = torch.from_numpy(bundle.reader.decoder.projector["mean"])
+        readings[:, -BELIEF_NUMBERS:] = mean[-BELIEF_NUMBERS:]
+    felt, wanted = _felt(bundle, readings), felt_words(clips.labels).numpy()
     scores = {}
-    for place, (slot, logits) in enumerate(felt.items()):
+    for place, (slot, likelihoods) in enumerate(felt.items()):
         asked = wanted[:, place] != UNASKED
-        scores[slot] = _share((logits.argmax(dim=1) == wanted[:, place])[asked].tolist())
+        scores[slot] = _share((likelihoods.argmax(axis=1) == wanted[:, place])[asked].tolist())
     return scores
 
 
-def score_bundle(bundle: Bundle, clips: ClipSet, seed: int) -> dict[str, Any]:
-    """Return accuracies on objects no weight has seen.
-
-    Answers are free: any sentence may come, and one that is none of the answers counts as wrong, as
-    does one withheld for want of contact. The probes choose among the motions of the task.
-    """
+def score_bundle(bundle: Bundle, clips: ClipSet) -> dict[str, Any]:
+    """Return accuracies on objects no weight has seen, among the motions of each task."""
     readable = clips.readable()
-    said = {wordings: _ask_all(bundle, clips, wordings, seed) for wordings in ("seen", "held_out")}
+    felt = _felt(bundle, clips.readings(bundle))
     scores: dict[str, Any] = {
         "clips": len(clips.labels),
         "unreadable_clips": len(clips.labels) - len(readable),
     }
-    for task, motions in (("rotation", ROTATIONS), ("sliding", SLIDES)):
+    for task, slot, motions in (("rotation", "turn", ROTATIONS), ("sliding", "slide", SLIDES)):
         rows = [row for row in readable if clips.labels[row].motion in motions]
+        words = [WAY_ATOMS.get(word) for word in SLOTS[slot]]
+        places = [words.index(motion) for motion in motions]
+        named = felt[slot][rows][:, places].argmax(axis=1)
+        named = [motions[place] for place in named]
+        true = [clips.labels[row].motion for row in rows]
+        right = [one is other for one, other in zip(named, true, strict=True)]
+        plain = bundle.model.global_probe
         scores[task] = {
             "clips": len(rows),
-            "generated": _open_accuracy(said["seen"], rows),
-            "generated_held_out_wordings": _open_accuracy(said["held_out"], rows),
+            "language model's slots": _share(right),
             "probe": _probe_accuracy(bundle.model.probe, clips.fused_tokens, clips, rows, motions),
-            "global_probe": _probe_accuracy(
-                bundle.model.global_probe, clips.global_tokens, clips, rows, motions
-            ),
+            "global_probe": _probe_accuracy(plain, clips.global_tokens, clips, rows, motions),
         }
-    scores["by_type"] = {
-        f"{type_id} {wordings}": _share([one.is_right for one in replies if one.type_id == type_id])
-        for wordings, replies in said.items()
-        for type_id in dict.fromkeys(one.type_id for one in replies)
-    }
-    # How often an open question about a clip without direction is answered with one.
-    scores["false_directions"] = _share(
-        [
-            one.claim in DIRECTED
-            for one in said["seen"]
-            if one.type_id == OPEN_TYPE and clips.labels[one.row].motion not in DIRECTED
-        ]
-    )
-    # How the most likely answer to an open question fares, and its stated probability.
-    likelihoods, truths = true_option_likelihoods(bundle, clips, seed)
-    is_right = likelihoods.argmax(axis=1) == truths
-    confidence = bundle.calibration.probabilities(likelihoods).max(axis=1)
-    scores["scored"] = _share(is_right.tolist())
-    scores["calibration_error"] = expected_calibration_error(confidence, is_right)
     return scores
-
-
-@dataclass(frozen=True)
-class _Reply:
-    """What the model said to one question; `claim` is the motion it names, None if none."""
-
-    row: int
-    type_id: str
-    is_right: bool
-    claim: Motion | None
-
-
-def _ask_all(bundle: Bundle, clips: ClipSet, wordings: WORDINGS, seed: int) -> list[_Reply]:
-    """Ask one question of every type about every readable clip."""
-    asked = [
-        (row, one)
-        for row in clips.readable()
-        for one in _asked(clips.labels[row], seed, row, wordings, None)
-    ]
-    # Questions of one type are of like length: the padding of a batch stays short.
-    asked.sort(key=lambda pair: int(pair[1].type_id.removeprefix("T")))
-    rows = [row for row, _ in asked]
-    texts = bundle.speaker.generate(
-        clips.readings(bundle)[rows], [one.question for _, one in asked]
-    )
-    replies = []
-    for (row, one), text in zip(asked, texts, strict=True):
-        slots = bundle.grammar.parse(text)
-        claim = slots.direction if slots else None
-        is_withheld = bundle.calibration.withholds(claim, float(clips.contact_share[row]))
-        is_right = text == one.answer and not is_withheld
-        replies.append(_Reply(row, one.type_id, is_right, None if is_withheld else claim))
-    return replies
-
-
-def _open_accuracy(replies: Sequence[_Reply], rows: Sequence[int]) -> float:
-    wanted = set(rows)
-    return _share([r.is_right for r in replies if r.type_id == OPEN_TYPE and r.row in wanted])
 
 
 def _probe_accuracy(
@@ -201,13 +133,6 @@ def _probe_accuracy(
 ) -> float:
     said = probe.predict(tokens[rows], motions)
     return _share([one == clips.labels[row].motion for one, row in zip(said, rows, strict=True)])
-
-
-def _asked(
-    label: MotionLabel, seed: int, row: int, wordings: WORDINGS, types: tuple[str, ...] | None
-) -> list[QuestionAnswer]:
-    rng = generator_for(seed, "scoring", wordings, row)
-    return questions_for(label, rng, types=types, wordings=wordings)
 
 
 def _share(hits: Sequence[bool]) -> float:
@@ -282,42 +207,33 @@ damaged by compression, a dim or drifting camera or a faint touch.
 - Motion: turn, slide, press and contact with their spread, {parameters:,} weights on the rigid
   motions of residual, relief and learned shear and on the fused token; before training it tells
   the measured motions.
-- Language model: trained from random weights, {preset["language_steps"]:,} steps of
-  {preset["language_batch"]} questions.
-- Reader of questions: a decoder of its own, {_reader_made(made["command"], preset)}.
+- Language model: {_language_made(bundle)}
 - Command: `{made["command"]}`, {seconds / 60:.0f} min on {machine["processor"]}
   ({machine["cores"]} cores, {made["device"]}), torch {machine["versions"]["torch"]}, commit
   {made["commit"] or "unknown"}.
 - Size: {size_mb:.1f} MB, perception in half precision; computed in float32."""
 
 
-def _reader_made(command: str, preset: Mapping[str, Any]) -> str:
-    if " --reader " in command:
-        return "taken as it is from the bundle before this one"
-    teachers, steps = preset["reading_teachers"], preset["taught_steps"]
-    taught = f"by each of {teachers}, which taught it in {steps:,} more" if teachers else "once"
-    return (
-        f"trained from random weights, {preset['reading_steps']:,} steps of "
-        f"{preset['reading_batch']} questions that the grammar writes, {taught}"
-    )
+def _language_made(bundle: Bundle) -> str:
+    made, decoder = bundle.provenance["preset"], bundle.reader.decoder
+    size, weights = decoder.size, sum(x.size for x in decoder.stored.values())
+    return f"""a Llama decoder of transformers, {size.layers} layers of width {size.width},
+  {weights:,} weights, from random ones: {made["english_steps"]:,} steps on English (free texts of
+  Debian packages), {made["reading_steps"]:,} on questions and their programs,
+  {made["answers_steps"]:,} on these and on answers about {made["answer_clips"]:,} simulated clips;
+  {made["language_batch"]} questions a step, each learned from {made["question_passes"]} times."""
 
 
 def _scores_text(scores: dict[str, Any]) -> str:
     return f"""## Scores on simulated everyday objects never trained on
 
 {scores["clips"]} clips, {scores["unreadable_clips"]} left out because their motion changes the
-image by less than the camera's noise or is the lesser one in it. Generated answers are free text
-over all ten motions, and a direction withheld for want of contact counts as wrong; the probes
-choose among the motions of the task.
+image by less than the camera's noise or is the lesser one in it. All choose among the motions of
+the task.
 
-| task | clips | generated | generated, held-out wordings | probe on z | probe on c, no DGR |
-|---|---|---|---|---|---|
+| task | clips | language model's slots | probe on z | probe on c, no DGR |
+|---|---|---|---|---|
 {_task_rows(scores)}
-
-A direction is claimed of {100 * scores["false_directions"]:.1f} % of the clips that have none.
-Choosing the most likely of the ten answers instead of writing freely is right for
-{100 * scores["scored"]:.1f} % of all clips; its stated probability is off by
-{100 * scores["calibration_error"]:.1f} % on average (expected calibration error).
 
 Of freely mixed motions of the same objects, readable components that move by 0.3 px or 0.06 mm, or
 more:
@@ -336,11 +252,7 @@ of clips like training's:
 
 | gels | kind | n | turn way | slide way | both ways | turn amount | slide amount |
 |---|---|---|---|---|---|---|---|
-{_gel_rows(scores["gels"])}
-
-| question type | seen wordings | held-out wordings |
-|---|---|---|
-{_type_rows(scores)}"""
+{_gel_rows(scores["gels"])}"""
 
 
 def _mixed_rows(mixed: dict[str, float]) -> str:
@@ -369,7 +281,7 @@ def _slots(slots: dict[str, float]) -> str:
 
 
 def _task_rows(scores: dict[str, Any]) -> str:
-    columns = ("generated", "generated_held_out_wordings", "probe", "global_probe")
+    columns = ("language model's slots", "probe", "global_probe")
     return "\n".join(
         f"| {task} | {scores[task]['clips']} | "
         + " | ".join(f"{scores[task][column]:.3f}" for column in columns)
@@ -380,12 +292,3 @@ def _task_rows(scores: dict[str, Any]) -> str:
 
 def _rate(share: float | None) -> str:
     return "none" if share is None else f"{share:.3f}"
-
-
-def _type_rows(scores: dict[str, Any]) -> str:
-    by_type = scores["by_type"]
-    names = [name.removesuffix(" seen") for name in by_type if name.endswith(" seen")]
-    return "\n".join(
-        f"| {name} | {by_type[f'{name} seen']:.3f} | {by_type[f'{name} held_out']:.3f} |"
-        for name in names
-    )

@@ -1,11 +1,12 @@
-"""Make a whole bundle from nothing: simulate, pretrain, freeze, read geometry, learn to speak.
+"""Make a whole bundle from nothing: simulate, pretrain, freeze, read geometry, learn language.
 
-Every stage leaves its result in the run folder, so that an interrupted run continues where it was.
+Every stage leaves its result in the run folder, so that an interrupted run continues where it was,
+on this machine or another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -14,36 +15,26 @@ from typing import Any
 import cv2
 import numpy as np
 import torch
-from torch import Tensor
 
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.vit import ENCODE_BATCH, FrozenBackbone
-from geotlm_lm.checkpoint import (
-    READER_DIR,
-    Bundle,
-    Calibration,
-    load_bundle,
-    reading_of,
-    save_bundle,
-)
-from geotlm_lm.core.labels import Motion, MotionLabel
+from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
-from geotlm_lm.data.templates import load_templates
-from geotlm_lm.language.generation import Speaker
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.labelled import TUNE, labelled
 from geotlm_lm.query.reader import Reader
+from geotlm_lm.training import english
 from geotlm_lm.training.calibration import (
     calibrated_reader,
     fit_contact_threshold,
     fit_temperature,
 )
 from geotlm_lm.training.config import (
-    HeadsPreset,
     TrainingPreset,
     about_examples,
     claim_folder,
@@ -58,7 +49,7 @@ from geotlm_lm.training.geometry import (
     train_geometry,
     train_global_probe,
 )
-from geotlm_lm.training.language import FELT_BATCH, LanguageTraining, train_language
+from geotlm_lm.training.language import LanguageTraining, Taught, blank_reader, train_language
 from geotlm_lm.training.motion import (
     motion_scores,
     set_significance,
@@ -66,16 +57,18 @@ from geotlm_lm.training.motion import (
     widen_spans,
 )
 from geotlm_lm.training.pretraining import DenseHeads, pretrain
-from geotlm_lm.training.ranks import ALONE, Ranks, joined
-from geotlm_lm.training.reading import ReadingTraining, train_reader
+from geotlm_lm.training.ranks import Ranks, joined
 from geotlm_lm.training.scoring import (
     ClipSet,
     felt_likelihoods,
     felt_scores,
     score_bundle,
-    true_option_likelihoods,
     write_card,
 )
+from geotlm_lm.training.sentences import read_sentences, write_sentences
+
+PER_CLIP = 16
+"""Questions asked about each clip that answers are written about."""
 
 
 def train(
@@ -85,81 +78,145 @@ def train(
     workers: int,
     progress: Progress = silent,
     device: str | None = None,
-    reader_of_bundle: Path | None = None,
+    perception: Path | None = None,
 ) -> Path:
     """Train the bundle of `preset` and return its folder, `out`/bundle.
 
-    The reader of questions knows nothing of touch: it may be taken from a bundle's folder.
+    What sees may be taken from a bundle's folder; its language model is made anew.
 
-    Of several processes that torchrun started, all take the steps of backbone, language model and
-    reader; the first one does what is left, writes and reports, and the others wait.
+    Of several processes that torchrun started, all take the steps of backbone and language model;
+    the first one does what is left, writes and reports, and the others wait.
 
     A run of the same preset and seed in `out` is continued. On one machine the same seed and
     workers, which are processes that simulate and threads of each process that trains, give the
-    same weights. The device is cpu or cuda, None for cuda where there is one.
+    same perception. The device is cpu or cuda, None for cuda where there is one.
 
     Raises:
-        IncompatibleBundle: If there is no such reader.
+        IncompatibleBundle: If there is no such perception.
         UsageError: If the preset or device is unknown, a batch does not divide among the processes
             or the folder holds another run.
         MissingDependency: If there are too few GPUs.
     """
     settings = preset_named(preset)
     # Before hours of simulation: a folder that holds none is refused.
-    reader = None if reader_of_bundle is None else Reader.load(reader_of_bundle / READER_DIR)
+    given = None if perception is None else load_bundle(perception)
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     with joined(device) as ranks:
-        batches = settings.pretraining_batch, settings.language_batch, settings.reading_batch
-        ranks.refuse_uneven(*batches, FELT_BATCH)
-        ranks.from_first(lambda: claim_folder(out, about_examples(settings, seed)))
+        ranks.refuse_uneven(settings.pretraining_batch, settings.language_batch)
+        about = about_examples(settings, seed) | {"perception": given and given.digest()}
+        ranks.from_first(lambda: claim_folder(out, about))
         progress = progress if ranks.is_first else silent
-        sets, folder = example_sets(settings), out / "examples"
-        shared = {"ranks": ranks, "progress": progress}
+        run = _Run(settings, seed, out, workers, ranks, progress)
         with clock(out) if ranks.is_first else nullcontext(lambda: 0.0) as seconds:
-            ranks.from_first(
-                lambda: simulate_examples(
-                    folder, list(sets.values()), seed=seed, workers=workers, progress=progress
-                )
-            )
-            learned = read_examples(folder, sets["heads"], sets["pretraining"])
-            first = settings.fresh_clips
-            pretrained = pretrain(
-                learned, preset=settings, seed=seed, folder=out, first=first, **shared
-            )
+            seen = run.perception() if given is None else run.taken(given)
+            run.language(seen)
             if ranks.is_first:
-                validation = read_examples(folder, sets["validation"])
-                given = settings, seed, out, ranks.device, progress
-                seen = _see(*pretrained, learned, validation, *given)
-            readings = ranks.from_first(lambda: seen.readings())
-            speaker = train_speaker(*readings, settings, seed, out, **shared)
-            if reader is None:
-                reader = reader_of(settings, seed, out / "reader", workers=workers, **shared)
-            if ranks.is_first:
-                about = _provenance(settings, seed, workers, ranks, reader_of_bundle)
-                about |= {"dgr_validation_accuracy": seen.accuracies}
-                save_bundle(out / "bundle", seen.bundle(speaker, reader, about, seed))
-                names = ("test", "mixed", "validation", "unseen gels")
-                clips = {name: read_examples(folder, sets[name]) for name in names}
-                _score(out / "bundle", clips, seed, seconds, progress)
+                about = _provenance(settings, seed, workers, ranks, perception)
+                reader = calibrated_reader(Reader.load(out / "language"), labelled(TUNE))
+                save_bundle(out / "bundle", seen.bundle(reader, about))
+                _score(out / "bundle", run.examples, seconds, progress)
             ranks.from_first(lambda: None)  # the others wait
     return out / "bundle"
 
 
+@dataclass(frozen=True)
+class _Run:
+    """A training in a folder of its own."""
+
+    settings: TrainingPreset
+    seed: int
+    out: Path
+    workers: int
+    ranks: Ranks
+    progress: Progress
+
+    def examples(self, *names: str) -> Examples:
+        """Return sets of examples, one behind the other, simulated where they are not yet."""
+        sets, folder = example_sets(self.settings), self.out / "examples"
+        wanted = [sets[name] for name in names]
+        shared = {"seed": self.seed, "workers": self.workers, "progress": self.progress}
+        self.ranks.from_first(lambda: simulate_examples(folder, wanted, **shared))
+        return read_examples(folder, *wanted)
+
+    def perception(self) -> Seen | None:
+        """Train what sees; the other ranks have none of it but the backbone."""
+        learned = self.examples("heads", "pretraining")
+        pretrained = pretrain(
+            learned,
+            preset=self.settings,
+            seed=self.seed,
+            folder=self.out,
+            first=self.settings.fresh_clips,
+            ranks=self.ranks,
+            progress=self.progress,
+        )
+        if not self.ranks.is_first:
+            return None
+        given = self.settings, self.seed, self.out, self.ranks.device, self.progress
+        return _see(*pretrained, learned, self.examples("validation"), *given)
+
+    def taken(self, bundle: Bundle) -> Seen | None:
+        """Return what sees in a bundle."""
+        if not self.ranks.is_first:
+            return None
+        model, accuracies = bundle.model, bundle.provenance["dgr_validation_accuracy"]
+        validation = perceive(model, self.examples("validation"), self.progress)
+        return Seen(model, bundle.motion, accuracies, validation)
+
+    def language(self, seen: Seen | None) -> None:
+        """Train the language model into `out`/language."""
+        settings, out = self.settings, self.out
+        width = self.ranks.from_first(lambda: seen.model.backbone.width)
+
+        def written() -> None:
+            save_bundle(out / "draft", seen.bundle(blank_reader(width), {"command": "train"}))
+            write_sentences(
+                out / "sentences",
+                out / "draft",
+                settings.answer_clips,
+                PER_CLIP,
+                self.seed,
+                self.workers,
+                self.progress,
+            )
+
+        self.ranks.from_first(written)
+        texts = self.ranks.from_first(lambda: english.fetch(out / "english", self.progress))
+        config = LanguageTraining(
+            english_steps=settings.english_steps,
+            reading_steps=settings.reading_steps,
+            answers_steps=settings.answers_steps,
+            batch=settings.language_batch,
+            english=settings.language_batch,
+            answers=settings.language_batch // 2,
+            passes=settings.question_passes,
+            seed=self.seed,
+        )
+        taught = Taught(
+            corpus("train"),
+            english.passages(texts),
+            read_sentences(out / "sentences"),
+            (width, BELIEF_NUMBERS),
+        )
+        # On a CPU processes that draw would only wait for each other.
+        drawing = 0 if self.ranks.kind == "cpu" else self.workers
+        train_language(config, taught, out, self.progress, self.ranks, drawing)
+
+
 def _score(
     folder: Path,
-    examples: Mapping[str, Examples],
-    seed: int,
+    examples: Callable[[str], Examples],
     seconds: Callable[[], float],
     progress: Progress,
 ) -> None:
     """Score what was written, half precision and all, and write its card."""
     stored = load_bundle(folder)
-    scores = score_bundle(stored, perceive(stored.model, examples["test"], progress), seed)
-    clips = perceive(stored.model, examples["mixed"], progress)
+    scores = score_bundle(stored, perceive(stored.model, examples("test"), progress))
+    clips = perceive(stored.model, examples("mixed"), progress)
     scores["mixed"] = motion_scores(stored.motion(clips.measured), clips.labels)
     scores["gels"] = {
-        title: _gel_scores(stored, examples[name], progress)
+        title: _gel_scores(stored, examples(name), progress)
         for title, name in (("in training", "validation"), ("left out", "unseen gels"))
     }
     scores["felt"] = felt_scores(stored, clips)
@@ -182,13 +239,13 @@ def _gel_scores(
 
 
 def _provenance(
-    settings: TrainingPreset, seed: int, workers: int, ranks: Ranks, reader: Path | None
+    settings: TrainingPreset, seed: int, workers: int, ranks: Ranks, perception: Path | None
 ) -> dict[str, Any]:
     """Return how to get a bundle again, for the bundle itself."""
     launch = f"torchrun --nproc-per-node {ranks.count} -m geotlm_lm"
     program = "geotlm-lm" if ranks.count == 1 else launch
     command = f"{program} train --preset {settings.name} --seed {seed} --workers {workers}"
-    command += "" if reader is None else f" --reader {reader.name}"
+    command += "" if perception is None else f" --perception {perception.name}"
     return {
         "command": f"{command} --out RUN_FOLDER",
         "preset": asdict(settings),
@@ -206,24 +263,15 @@ class Seen:
     model: GeoTLM
     motion: MotionNetwork  # the network whose beliefs everything is answered from
     accuracies: Mapping[str, float]  # of each way of training DGR, on validation objects
-    learned: ClipSet  # the clips that motion and language learn from
     validation: ClipSet  # the clips of objects that no weight has seen
 
-    def readings(self) -> tuple[Tensor, Sequence[MotionLabel]]:
-        """Return what the language model reads of the clips it learns from, and their truth."""
-        beliefs = self.motion(self.learned.measured)
-        return reading_of(self.learned.fused_tokens, beliefs), self.learned.labels
-
-    def bundle(
-        self, speaker: Speaker, reader: Reader, provenance: Mapping[str, Any], seed: int
-    ) -> Bundle:
+    def bundle(self, reader: Reader, provenance: Mapping[str, Any]) -> Bundle:
         """Return the whole model, calibrated on clips that no weight has seen."""
-        parts = self.model, self.motion, speaker, load_templates().grammar()
-        bundle = Bundle(*parts, Calibration(), dict(provenance), reader)
         clips = self.validation
+        about = dict(provenance) | {"dgr_validation_accuracy": dict(self.accuracies)}
+        bundle = Bundle(self.model, self.motion, Calibration(), about, reader)
         is_touched = np.array([label.motion is not Motion.NONE for label in clips.labels])
         bundle.calibration = Calibration(
-            temperature=fit_temperature(*true_option_likelihoods(bundle, clips, seed)),
             felt_temperature=fit_temperature(*felt_likelihoods(bundle, clips)),
             contact_threshold=fit_contact_threshold(clips.contact_share, is_touched),
         )
@@ -319,7 +367,7 @@ def train_beliefs(
     motion = train_motion(learned.measured, learned.labels, **shared)
     widen_spans(motion, validation.measured, validation.labels)
     set_significance(motion, validation.measured, validation.labels)
-    return Seen(model, motion, accuracies, learned, validation)
+    return Seen(model, motion, accuracies, validation)
 
 
 def token_set(
@@ -373,56 +421,3 @@ def perceive(
         labels=clips.labels,
         objects=clips.objects,
     )
-
-
-def train_speaker(
-    readings: Tensor,
-    labels: Sequence[MotionLabel],
-    settings: HeadsPreset,
-    seed: int,
-    out: Path,
-    progress: Progress = silent,
-    ranks: Ranks = ALONE,
-) -> Speaker:
-    """Train the language model on readings of clips (n, width) and their truth, within `out`."""
-    config = LanguageTraining(
-        steps=settings.language_steps,
-        batch=settings.language_batch,
-        motion_width=BELIEF_NUMBERS,
-        seed=seed,
-    )
-    return train_language(
-        readings,
-        labels,
-        config=config,
-        folder=out / "language",
-        ranks=ranks,
-        progress=progress,
-    )
-
-
-def reader_of(
-    settings: TrainingPreset,
-    seed: int,
-    folder: Path,
-    progress: Progress = silent,
-    ranks: Ranks = ALONE,
-    workers: int = 0,
-) -> Reader:
-    """Train the reader of questions; the first rank's is calibrated on what it has not read.
-
-    Where a GPU learns, `workers` processes draw the questions; on a CPU they would only wait for
-    each other.
-    """
-    config = ReadingTraining(
-        steps=settings.reading_steps,
-        teachers=settings.reading_teachers,
-        taught_steps=settings.taught_steps,
-        batch=settings.reading_batch,
-        seed=seed,
-    )
-    drawing = 0 if ranks.kind == "cpu" else workers
-    reader = train_reader(config, folder, corpus("train"), progress, ranks, drawing)
-    if not ranks.is_first:
-        return reader
-    return calibrated_reader(reader, labelled(TUNE))

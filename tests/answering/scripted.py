@@ -80,7 +80,7 @@ class ScriptedReader:
     Several lines with their chances are as many readings.
     """
 
-    model = SimpleNamespace(state_dict=dict)  # no weights: a digest has nothing of it to hold
+    decoder = SimpleNamespace(stored={}, projector={})  # a digest has nothing of it to hold
 
     def __init__(self, lines=None, probability=0.98):
         self.lines, self.probability = {**READ, **(lines or {})}, probability
@@ -99,6 +99,22 @@ class ScriptedReader:
 
     def calibrated(self, chance):
         return chance
+
+
+class Silent:
+    """A language model that says nothing of a clip, or what a test lets it say."""
+
+    def __init__(self, *texts):
+        self.texts = texts
+
+    def prefix(self, numbers):
+        return SimpleNamespace(slots={})
+
+    def sentence(self, felt, question, line, value):
+        return ""
+
+    def says(self, felt, question, line, text):
+        return text in self.texts
 
 
 READ = {
@@ -127,8 +143,15 @@ READ = {
 def feeling(bundle, *ways, belief=None, understood=0.98, **calibration):
     """An answerer that believes `ways`, and reads as tests write down."""
     reader = ScriptedReader(probability=understood)
-    changed = replace(bundle, reader=reader, calibration=Calibration(**calibration))
-    return Believing(changed, belief or believed(*ways))
+    changed = replace(bundle, calibration=Calibration(**calibration))
+    return Believing(read_by(changed, reader), belief or believed(*ways))
+
+
+def read_by(bundle, reader):
+    """A bundle whose questions another reads, and whose language model says nothing of a clip."""
+    changed = replace(bundle, reader=reader)
+    changed.speaker = Silent()
+    return changed
 
 
 def recording(frames=4, fps=None, seed=1, size=(48, 64)):

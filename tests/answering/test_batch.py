@@ -166,7 +166,7 @@ def test_an_unfinished_run_of_something_else_is_not_continued(
     elif change == "clip":
         np.save(clips / "a.npy", recording(frames=7).frames)
     elif change == "model":
-        answerer = feeling(bundle, "left", temperature=2.0)
+        answerer = feeling(bundle, "left", felt_temperature=2.0)
     elif change == "frame":
         frame = FrameSpec(mm_per_px=0.06)
     elif change == "schema":  # an older version, whose answers had other fields

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.pipeline import understand
+from geotlm_lm.answering.understanding import understand
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.lines import read
-from tests.answering.scripted import ScriptedReader, believed, feeling, recording
+from tests.answering.scripted import ScriptedReader, believed, feeling, read_by, recording
 
 MIXED = believed("clockwise", "left", deg=20.0, px=20.0)
 ASKED = "What about it?"
@@ -150,7 +150,7 @@ def test_a_reading_that_compares_a_thing_with_itself_is_none(bundle):
 def test_what_is_out_of_place_is_less_likely(bundle):
     reader = ScriptedReader()
     answerer = feeling(bundle, "clockwise")
-    answerer.bundle = replace(answerer.bundle, reader=reader)
+    answerer.bundle = read_by(answerer.bundle, reader)
     ask(answerer, "turn")
     assert {"same", "of-second", "again", "it"} <= reader.unlikely
     understand(reader, "again", read("way turn"))

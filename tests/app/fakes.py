@@ -17,7 +17,7 @@ from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.read import frames_inside
 from geotlm_lm.track.tracker import Tracker, track_of
-from tests.answering.scripted import ScriptedReader, believed
+from tests.answering.scripted import ScriptedReader, Silent, believed
 
 READ = {
     "Which way is the object turning?": "way turn",
@@ -49,6 +49,7 @@ class FakeAnswerer(Answerer):
             model=SimpleNamespace(probe=FakeProbe()),
             calibration=Calibration(contact_threshold=0.005),
             reader=ScriptedReader(READ),
+            speaker=Silent(),
         )
         super().__init__(bundle)
 

@@ -11,8 +11,10 @@ from geotlm_lm.backbone.view import View
 from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.geometry import GRID_SIDE, PATCH_SIDE
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.language.slots import SLOTS
+from geotlm_lm.language.sequence import log_softmax
+from geotlm_lm.language.size import SLOTS
 from geotlm_lm.probe.linear import LinearProbe
+from geotlm_lm.training.sentences import ATOM_OF
 from tests.answering.scripted import believed
 
 ALL = tuple(Motion)
@@ -39,19 +41,20 @@ class FakeAnswerer:
         model = SimpleNamespace(probe=probe, global_probe=probe)
         self.bundle = SimpleNamespace(
             model=model,
-            speaker=SimpleNamespace(feel=self._feel),
             calibration=Calibration(),
         )
 
-    def _feel(self, readings):
-        """Feel the number in the token, at the slot that has a word for it."""
-        seen = ALL[int(readings[0, : len(ALL)].argmax())].value
-        felt = {"contact": "no" if seen == "none" else "yes"}
-        return {
-            slot: torch.tensor([[4.0 * (one == word) for one in words]]).log_softmax(dim=1)
-            for slot, words in SLOTS.items()
-            for word in [felt.get(slot, seen if seen in words else "none")]
-        }
+    def _prefix(self, seen):
+        """Feel a motion at the slot that has a word for it."""
+        atom = ATOM_OF.get(seen, "none")
+        felt = {"contact": "none" if seen is Motion.NONE else "touch"}
+        words = {slot: felt.get(slot, atom if atom in SLOTS[slot] else "none") for slot in SLOTS}
+        return SimpleNamespace(
+            slots={
+                slot: log_softmax(np.array([4.0 * (one == words[slot]) for one in among]))
+                for slot, among in SLOTS.items()
+            }
+        )
 
     def encode(self, clip):
         self.encoded_count += 1
@@ -64,6 +67,7 @@ class FakeAnswerer:
             perception=SimpleNamespace(fused_token=token, global_token=-token),
             timing_ms={"choose": 1.0, "encode": 10.0},
             belief=believed(seen.value),
+            prefix=self._prefix(seen),
             doubt=1.0,
         )
 

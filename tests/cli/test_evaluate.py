@@ -1,7 +1,6 @@
 """`evaluate` hands its options on, and writes a record; of an encoder's file as of the model."""
 
 import json
-from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -9,10 +8,8 @@ import pytest
 from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every, rows_of
 from geotlm_lm.cli.recorded import command_line
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.language.decoder import LanguageSize
-from geotlm_lm.training import config, train
+from geotlm_lm.training import config
 from geotlm_lm.training.config import HeadsPreset
-from geotlm_lm.training.language import LanguageTraining
 from tests.backbone.small_files import write_small
 from tests.cli.running import run
 
@@ -122,7 +119,8 @@ TINY = HeadsPreset(
     head_clips=16,
     validation_clips=8,
     geometry_epochs=1,
-    language_steps=2,
+    answer_clips=3,
+    answers_steps=2,
     language_batch=4,
 )
 
@@ -137,8 +135,6 @@ def test_an_encoder_is_evaluated_from_its_file_to_the_record(
     capsys, weights, tmp_path, monkeypatch
 ):
     monkeypatch.setitem(config.HEADS_PRESETS, "tiny", TINY)
-    small = partial(LanguageTraining, size=LanguageSize(width=16, layers=1, heads=2, mlp=16))
-    monkeypatch.setattr(train, "LanguageTraining", small)
     arguments = ["evaluate", "--encoder", "anytouch2", "--weights", weights, "--heads", 2]
     arguments += ["--preset", "tiny", "--run-folder", tmp_path / "run", "--clips", 2]
     code, out, _ = run(capsys, *arguments, "--out", tmp_path / "first.json")

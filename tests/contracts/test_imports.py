@@ -21,7 +21,8 @@ LEVELS = (
     {"track"},
     {"query"},
     {"checkpoint"},
-    {"answering", "training"},
+    {"answering"},
+    {"training"},
     {"benchmarks", "data_sets", "reference_readings", "doctor"},
     {"cli"},
 )

@@ -62,7 +62,7 @@ def test_every_resource_is_found_inside_the_installed_package(installed, tmp_pat
 def test_training_data_stays_behind_and_training_says_so(wheel, installed, tmp_path):
     with zipfile.ZipFile(wheel) as archive:
         names = [name for name in archive.namelist() if "/data_templates/" in name]
-    assert {Path(name).name for name in names} == {"quantities.toml", "replies.toml"}
+    assert {Path(name).name for name in names} == {"quantities.toml"}
     command = ["-m", "geotlm_lm", "train", "--preset", "smoke", "--out", "run"]
     done = run_in_empty_folder(installed, tmp_path, *command)
     assert (done.returncode, done.stderr.splitlines()[-1]) == (

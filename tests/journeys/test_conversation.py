@@ -90,10 +90,11 @@ def test_the_reasons_for_a_turn_add_up_to_it(capsys):
     with pytest.raises(SystemExit):
         main(["answer", "--clip", str(clip), "--q", "Which way is it turning?", "--why", "--json"])
     told = json.loads(capsys.readouterr().out.splitlines()[-1])
-    place, measured, sums, amounts, frame, _ = told["why"]["steps"]
+    place, measured, sums, amounts, own, frame, _ = told["why"]["steps"]
     assert place.startswith("Contact fills ")
     assert measured.startswith("The whole contact ")
     assert amounts.startswith("Measured from the first frame to the last: a turn clockwise of ")
+    assert own.startswith("The language model itself: turn cw (")
     assert sums == (
         "The common shift cancels in the differences of the halves, which add up clockwise."
     )

@@ -1,56 +1,177 @@
+"""The same weights give the same numbers in transformers and in NumPy, whatever may be seen."""
+
+import json
+from copy import copy
+
 import numpy as np
 import pytest
 import torch
+from transformers import LlamaForCausalLM
 
-from geotlm_lm.language.sequence import SequenceDecoder, log_softmax
+from geotlm_lm.language.decoder import fresh, served, stored
+from geotlm_lm.language.sequence import log_softmax
+from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
+from geotlm_lm.language.tokenizer import byte_pairs
+from geotlm_lm.query.reader import Reader
+from geotlm_lm.query.speaker import Speaker
+from geotlm_lm.query.spelling import SLOT_TOKENS, Spelling
+from geotlm_lm.training.language_rows import Row, laid, positions, sight
 
-
-def ids_of(speaker, length=11):
-    head = [speaker.prompts.tactile_id] * speaker.model.size.tactile_tokens
-    tail = torch.randint(5, 400, (length,), generator=torch.Generator().manual_seed(1)).tolist()
-    return torch.tensor([head + tail])
-
-
-def test_a_later_token_changes_nothing_before_it(speaker, fused_tokens):
-    model, ids = speaker.model, ids_of(speaker)
-    other = ids.clone()
-    other[0, -1] = 401
-    prefix = model.projector(fused_tokens[:1])
-    one, two = (model.decoder(model.embed(x, prefix)) for x in (ids, other))
-    torch.testing.assert_close(one[:, :-1], two[:, :-1], rtol=0, atol=1e-6)
-    assert not torch.allclose(one[:, -1], two[:, -1])
+SIZE = LanguageSize(width=32, layers=2, heads=2, mlp=48)
+WIDTHS = 12, 6
+QUESTION, LINE = "Does it turn by more than 12 degrees?", "> amount turn #1"
+SAID = "Yes: it turns clockwise, about 14 degrees."
 
 
-def test_standardised_training_tokens_have_unit_spread(speaker, fused_tokens):
-    standard = speaker.model.projector.standardise(fused_tokens)
-    torch.testing.assert_close(standard.mean(0), torch.zeros(standard.shape[1]), atol=1e-5, rtol=0)
-    torch.testing.assert_close(standard.std(0, correction=0), torch.ones(standard.shape[1]))
+@pytest.fixture(scope="module")
+def spelling():
+    texts = [QUESTION.lower(), SAID.lower(), "which way is it turning?"] * 4
+    return Spelling(byte_pairs(texts, 320))
 
 
-@pytest.mark.parametrize("both_ways", [False, True])
-def test_one_text_in_numpy_has_the_hidden_states_of_torch(speaker, both_ways):
-    decoder, ids = speaker.model.decoder, ids_of(speaker)
-    count = ids.shape[1]
-    mask = torch.ones(1, 1, count, count, dtype=torch.bool) if both_ways else None
+@pytest.fixture(scope="module")
+def model(spelling):
+    """Embeddings are widened so that one text differs from another."""
+    made = fresh(SIZE, spelling.size, WIDTHS, torch.Generator().manual_seed(0)).eval()
+    made.projector.standardise_by(torch.randn(9, 18, generator=torch.Generator().manual_seed(1)))
     with torch.no_grad():
-        wanted = decoder(decoder.embed_tokens(ids), mask)[0]
-        logits = torch.nn.functional.linear(wanted, decoder.embed_tokens.weight)
-    plain = SequenceDecoder(decoder)
-    x = plain.embeddings[ids[0].tolist()]
-    found = plain.read(x, plain.started(count), both_ways=both_ways)
-    np.testing.assert_allclose(found, wanted, rtol=1e-5, atol=1e-5)
-    told = log_softmax(plain.logits(found))
-    np.testing.assert_allclose(told, logits.log_softmax(-1), rtol=1e-4, atol=1e-4)
+        made.embed_weight().mul_(10)
+    for weights in made.parameters():  # as they are stored
+        weights.data = weights.data.half().float()
+    for name, numbers in made.projector.named_buffers():
+        setattr(made.projector, name, numbers.half().float())
+    return made
 
 
-def test_a_text_in_numpy_is_read_on_token_by_token_and_again_from_where_it_was_cut(speaker):
-    plain = SequenceDecoder(speaker.model.decoder)
-    x = plain.embeddings[ids_of(speaker)[0].tolist()]
-    whole = plain.read(x, plain.started(len(x)))
-    cache = plain.started(len(x))
-    plain.read(x[:9], cache)
-    plain.read(x[:3], cache)
-    cache.length = 9
-    rest = [plain.read(one[None], cache)[0] for one in x[9:-2]]
-    found = np.concatenate([rest, plain.read(x[-2:], cache)])
-    np.testing.assert_allclose(found, whole[9:], rtol=1e-5, atol=1e-5)
+@pytest.fixture(scope="module")
+def decoder(model):
+    return served(model)
+
+
+@pytest.fixture(scope="module")
+def row(spelling):
+    ids = spelling.question(QUESTION).ids
+    return Row(ids, spelling.query(LINE.split()), spelling.sentence(SAID), clip=0)
+
+
+def numbers_of(seed):
+    return np.random.default_rng(seed).standard_normal(18).astype(np.float32)
+
+
+def states_of(model, spelling, row, numbers=None):
+    """Hidden states (s, width) of a row as training has it."""
+    batch = laid([row], [spelling.id_of[token] for token in SLOT_TOKENS])
+    with torch.no_grad():
+        embedded = model.embed(batch.ids)
+        if numbers is not None:
+            prefix = model.projector(torch.from_numpy(numbers)[None])
+            embedded = torch.cat([prefix, embedded[:, PREFIX:]], dim=1)
+        states = model.states(embedded, sight(batch.kind), positions(batch.kind))[0]
+    return states[: int((batch.kind[0] > 0).sum())]
+
+
+def test_a_question_and_its_program_are_the_same_with_any_clip_and_with_none(model, spelling, row):
+    text = len(row.question) + len(row.program)
+    alone = states_of(model, spelling, Row(row.question, row.program))
+    first, second = (states_of(model, spelling, row, numbers_of(seed)) for seed in (1, 2))
+    start = PREFIX + len(SLOTS)
+    asked = slice(start, start + text)
+    torch.testing.assert_close(first[asked], second[asked], atol=0, rtol=0)
+    torch.testing.assert_close(first[asked], alone, atol=1e-5, rtol=1e-5)
+    assert not torch.allclose(first[PREFIX:start], second[PREFIX:start], atol=0.01)
+    assert not torch.allclose(first[start + text :], second[start + text :], atol=0.01)
+
+
+def test_slots_see_the_clip_alone(model, spelling, row):
+    other = Row(row.question[::-1], row.program, row.sentence, clip=0)
+    one, two = (states_of(model, spelling, each, numbers_of(1)) for each in (row, other))
+    clip = PREFIX + len(SLOTS)
+    torch.testing.assert_close(one[:clip], two[:clip], atol=0, rtol=0)
+    assert not torch.allclose(one[clip:], two[clip:], atol=0.01)
+
+
+def test_one_text_in_numpy_has_the_states_of_transformers(model, decoder, spelling, row):
+    wanted = states_of(model, spelling, Row(row.question, row.program)).numpy()
+    cache, count = decoder.started(200), len(row.question)
+    embedded = decoder.embeddings[row.question]
+    states = [decoder.read(embedded, cache, np.ones((count, count), bool))]
+    states += [decoder.read(decoder.embeddings[[each]], cache) for each in row.program]
+    np.testing.assert_allclose(np.concatenate(states), wanted, rtol=1e-4, atol=1e-4)
+    logits = model.logits(torch.from_numpy(wanted)).log_softmax(-1).detach()
+    found = log_softmax(decoder.logits(np.concatenate(states)))
+    np.testing.assert_allclose(found, logits, rtol=1e-3, atol=1e-3)
+
+
+def test_slots_and_sentences_in_numpy_are_those_of_transformers(model, decoder, spelling, row):
+    numbers, speaker = numbers_of(1), Speaker(decoder, spelling)
+    states = states_of(model, spelling, row, numbers)
+    logits = model.logits(states).detach()
+    felt = speaker.prefix(numbers)
+    for place, (slot, words) in enumerate(SLOTS.items(), PREFIX):
+        among = [spelling.id_of[word] for word in words]
+        wanted = logits[place, among].log_softmax(-1)
+        np.testing.assert_allclose(felt.slots[slot], wanted, rtol=1e-3, atol=1e-3)
+    said = speaker.sentence(felt, QUESTION, LINE, "14")
+    begin = PREFIX + len(SLOTS) + len(row.question) + len(row.program)
+    written, longest = row._replace(sentence=row.sentence[:1]), 6
+    for _ in range(longest):  # as transformers goes on, word by word
+        state = states_of(model, spelling, written, numbers)[-1]
+        written = written._replace(sentence=[*written.sentence, int(model.logits(state).argmax())])
+    assert len(states) > begin
+    assert said.startswith(spelling.sentence_of(written.sentence[1:], ["14"]))
+
+
+def test_a_sentence_is_the_model_s_own_where_it_says_it_word_for_word(decoder, spelling):
+    speaker = Speaker(decoder, spelling)
+    felt = speaker.prefix(numbers_of(1))
+    assert not speaker.says(felt, QUESTION, LINE, SAID)
+    ids = spelling.sentence(SAID)
+    wide = copy(decoder)
+    wide.logits = lambda hidden: np.eye(spelling.size, dtype=np.float32)[ids[-len(hidden) :]]
+    assert Speaker(wide, spelling).says(felt, QUESTION, LINE, SAID)
+    assert Speaker(wide, spelling).says(felt, QUESTION, LINE, SAID.replace("14", "15"))
+    assert not Speaker(wide, spelling).says(felt, QUESTION, LINE, SAID.replace("Yes", "No"))
+
+
+def test_what_is_no_clip_is_refused(decoder, spelling):
+    speaker = Speaker(decoder, spelling)
+    for numbers in (np.zeros(5), np.full(18, np.nan)):
+        with pytest.raises(ValueError, match="all finite"):
+            speaker.prefix(numbers)
+
+
+def test_a_text_is_read_on_from_where_it_was_cut(decoder, row):
+    x = decoder.embeddings[row.question]
+    whole = decoder.read(x, decoder.started(len(x)))
+    cache = decoder.started(len(x))
+    decoder.read(x[:5], cache)
+    decoder.read(x[:3], cache)
+    cache.length = 5
+    rest = [decoder.read(one[None], cache)[0] for one in x[5:-2]]
+    found = np.concatenate([rest, decoder.read(x[-2:], cache)])
+    np.testing.assert_allclose(found, whole[5:], rtol=1e-5, atol=1e-5)
+
+
+def test_transformers_reads_the_folder_and_so_does_what_goes_on_from_it(
+    model, decoder, spelling, tmp_path
+):
+    Reader(decoder, spelling, (1.0, 0.0)).save(tmp_path)
+    plain = LlamaForCausalLM.from_pretrained(tmp_path, dtype=torch.float32)
+    again = stored(tmp_path)
+    ids = torch.tensor([spelling.question(QUESTION).ids])
+    with torch.no_grad():
+        wanted = model.llama(input_ids=ids).logits
+        torch.testing.assert_close(plain(input_ids=ids).logits, wanted, rtol=1e-4, atol=1e-4)
+        torch.testing.assert_close(again.llama(input_ids=ids).logits, wanted, rtol=1e-4, atol=1e-4)
+        numbers = torch.from_numpy(numbers_of(3))[None]
+        torch.testing.assert_close(again.projector(numbers), model.projector(numbers))
+    assert json.loads((tmp_path / "config.json").read_text())["model_type"] == "llama"
+
+
+def test_standardised_training_clips_have_unit_spread(model):
+    clips = torch.randn(50, 18, generator=torch.Generator().manual_seed(4)) * 3 + 1
+    projector = type(model.projector)(*WIDTHS, SIZE.width)
+    projector.standardise_by(clips)
+    plain = (clips - projector.mean) / projector.scale
+    torch.testing.assert_close(plain.mean(0), torch.zeros(18), atol=1e-5, rtol=0)
+    torch.testing.assert_close(plain.std(0, correction=0), torch.ones(18))

@@ -1,4 +1,4 @@
-"""The three trainings that ranks share, at sizes of a second: alone, or as one of several ranks.
+"""The two trainings that ranks share, at sizes of a second: alone, or as one of several ranks.
 
 torchrun --nproc-per-node 2 -m tests.training.shared_steps FOLDER LAST_STEP
 """
@@ -14,31 +14,49 @@ import torch
 from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.language.decoder import LanguageSize
+from geotlm_lm.language.size import LanguageSize
+from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.grammar import corpus
-from geotlm_lm.training import reading
+from geotlm_lm.training import language
 from geotlm_lm.training.config import SMOKE
 from geotlm_lm.training.examples import Examples
-from geotlm_lm.training.language import LanguageTraining, train_language
+from geotlm_lm.training.language import LanguageTraining, Taught, train_language
 from geotlm_lm.training.pretraining import pretrain
 from geotlm_lm.training.ranks import joined
-from geotlm_lm.training.reading import ReadingTraining, train_reader
+from geotlm_lm.training.sentences import Row, Sentences
 
 STEPS = 6
 PRETRAINING = replace(
     SMOKE, backbone_width=8, backbone_depth=1, pretraining_batch=4, pretraining_draws=4 * STEPS
 )
-SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32, tactile_tokens=2, max_tokens=104)
-LANGUAGE = LanguageTraining(steps=STEPS, batch=8, warmup=2, motion_width=18, size=SIZE)
-READING = ReadingTraining(
-    steps=STEPS,
+LANGUAGE = LanguageTraining(
+    english_steps=STEPS,
+    reading_steps=STEPS,
+    answers_steps=STEPS,
     batch=16,
+    english=8,
+    answers=8,
     warmup=2,
     dropout=0,  # which byte pairs are left apart no seed governs
     vocabulary=300,
-    size=replace(SIZE, tactile_tokens=0, max_tokens=704),
+    size=LanguageSize(width=32, layers=1, heads=2, mlp=32),
 )
-LABELS = [MotionLabel(motion) for motion in Motion for _ in range(4)]
+STAGES_BEFORE = "language, english", "language, reading"
+"""Those that the language model's last stage goes on from."""
+PASSAGES = ["a cap turns about its axis when a hand turns it, and so does a lid of a jar"] * 20
+SAID = "It turns clockwise, about 12 degrees, in the camera image."
+
+
+def random_answers():
+    """Answers about random numbers, of clips of which a part is not asked about."""
+    rng = np.random.default_rng(0)
+    return Sentences(
+        numbers=rng.standard_normal((5, 12 + BELIEF_NUMBERS)).astype(np.float16),
+        words=np.array([[0, 4, 2, 0], [1, 0, -1, 0], [2, 2, 1, 1], [0, 1, 1, 0], [1, 1, 0, 0]]),
+        labels=(MotionLabel(Motion.CLOCKWISE),) * 5,
+        rows=tuple(Row(k % 5, "which way?" + " ok" * k, "way all", SAID, True) for k in range(9)),
+        asked=9,
+    )
 
 
 def random_examples():
@@ -64,21 +82,20 @@ def random_examples():
 
 def curves(folder, ranks, last=STEPS):
     """Take the steps up to `last` of each training; return the losses told, by name."""
-    tokens = torch.randn(len(LABELS), 30, generator=torch.Generator().manual_seed(0)) * 3 + 1
     told = {}
 
     def progress(what, step, _):
         stage, loss = what.split(", loss ")
         told.setdefault(stage, []).append(float(loss))
-        if step == last < STEPS:
+        if step == last < STEPS and stage not in STAGES_BEFORE:
             raise KeyboardInterrupt
 
     shared = {"folder": folder, "progress": progress, "ranks": ranks}
-    reading.VOCABULARY_PAIRS = 200
+    language.VOCABULARY_PAIRS = 200
+    taught = Taught(corpus("train")[:20], PASSAGES, random_answers(), (12, BELIEF_NUMBERS))
     for training in (
         lambda: pretrain(random_examples(), preset=PRETRAINING, seed=0, **shared),
-        lambda: train_language(tokens, LABELS, config=LANGUAGE, **shared),
-        lambda: train_reader(READING, corpus=corpus("train")[:20], **shared),
+        lambda: train_language(LANGUAGE, taught, **shared),
     ):
         try:
             training()

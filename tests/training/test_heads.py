@@ -1,7 +1,6 @@
 """The path from an encoder's file to a model that answers, at a size at which it learns nothing."""
 
 import json
-from functools import partial
 
 import numpy as np
 import pytest
@@ -11,13 +10,11 @@ from geotlm_lm.answering import Answerer
 from geotlm_lm.backbone.released import ReleasedEncoder, load_encoder
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.language.decoder import LanguageSize
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.training import config, train
+from geotlm_lm.training import config
 from geotlm_lm.training.config import HeadsPreset
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.heads import BATCH, encode_examples, train_heads
-from geotlm_lm.training.language import LanguageTraining
 from tests.backbone.small_files import write_small
 
 pytestmark = pytest.mark.slow
@@ -27,10 +24,10 @@ TINY = HeadsPreset(
     head_clips=12,
     validation_clips=6,
     geometry_epochs=2,
-    language_steps=2,
+    answer_clips=3,
+    answers_steps=2,
     language_batch=4,
 )
-SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16)
 WANTED = ExampleSet("check", 2 * BATCH + 3, TRAINING_OBJECTS[:3])
 
 
@@ -38,7 +35,6 @@ WANTED = ExampleSet("check", 2 * BATCH + 3, TRAINING_OBJECTS[:3])
 def _tiny():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(config.HEADS_PRESETS, "tiny", TINY)
-        patch.setattr(train, "LanguageTraining", partial(LanguageTraining, size=SMALL))
         yield
 
 

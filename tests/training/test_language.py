@@ -1,190 +1,215 @@
+"""What the language model learns from is laid out as asked for; it goes on where it was."""
+
 from dataclasses import replace
-from itertools import pairwise
+from itertools import islice
+from random import Random
 
 import numpy as np
 import pytest
 import torch
-from torch.nn.functional import cross_entropy
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.language.decoder import LanguageSize
-from geotlm_lm.language.slots import SLOTS
-from geotlm_lm.training.language import (
-    SILENT_SHARE,
+from geotlm_lm.language.decoder import stored
+from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
+from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.query.composed import composed
+from geotlm_lm.query.grammar import corpus
+from geotlm_lm.query.lines import read, write
+from geotlm_lm.query.program import filled, normal
+from geotlm_lm.query.quantities import find
+from geotlm_lm.query.reader import Reader
+from geotlm_lm.query.restated import restated
+from geotlm_lm.query.spelling import SAY, Spelling
+from geotlm_lm.training import language
+from geotlm_lm.training.language import LanguageTraining, Taught, train_language, train_vocabulary
+from geotlm_lm.training.language_rows import (
+    MASKED,
+    POOL,
     UNASKED,
-    LanguageTraining,
-    _disturbed,
-    answer_loss,
-    draw_clips,
-    drawing_shares,
-    felt_loss,
-    felt_words,
-    learning_rate_at,
-    new_speaker,
-    train_language,
+    Questions,
+    Row,
+    english_row,
+    hidden,
+    laid,
+    steps_from,
 )
+from geotlm_lm.training.sentences import Row as Answered
+from geotlm_lm.training.sentences import Sentences
 
-LABELS = [MotionLabel(motion) for motion in Motion for _ in range(4)]
+SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32)
 CONFIG = LanguageTraining(
-    steps=6,
+    english_steps=2,
+    reading_steps=3,
+    answers_steps=2,
     batch=8,
+    english=4,
+    answers=4,
     warmup=2,
-    size=LanguageSize(width=32, layers=2, heads=2, mlp=48, tactile_tokens=2, max_tokens=104),
+    dropout=0,  # which byte pairs are left apart no seed governs
+    vocabulary=300,
+    size=SIZE,
 )
+PASSAGES = ["a cap turns about its axis when a hand turns it, and so does a lid of a jar"] * 20
+WIDTH = 12 + BELIEF_NUMBERS
+
+
+def answers():
+    rng = np.random.default_rng(0)
+    rows = [
+        ("Which way does it turn?", "way turn", "It turns clockwise, about 12 degrees."),
+        ("Does it slide?", "slide", "No: it turns clockwise, about 12 degrees."),
+        ("How far?", "extent", "One clip does not show that."),
+    ]
+    return Sentences(
+        numbers=rng.standard_normal((4, WIDTH)).astype(np.float16),
+        words=np.array([[0, 4, 2, 0], [1, 0, -1, 0], [2, 2, 1, 1], [0, 1, 1, 0]], np.int8),
+        labels=(MotionLabel(Motion.CLOCKWISE),) * 4,
+        rows=tuple(Answered(k % 4, *rows[k % 3], k % 3 < 2) for k in range(12)),
+        asked=12,
+    )
 
 
 @pytest.fixture(scope="module")
-def tokens():
-    torch.set_num_threads(1)
-    return torch.randn(len(LABELS), 12, generator=torch.Generator().manual_seed(0)) * 3 + 1
+def taught():
+    return Taught(corpus("train")[:20], PASSAGES, answers(), (12, BELIEF_NUMBERS))
 
 
-def trained(tokens, folder, config=CONFIG, progress=lambda *_: None):
-    speaker = train_language(tokens, LABELS, config=config, folder=folder, progress=progress)
-    return {name: value.clone() for name, value in speaker.model.state_dict().items()}
+@pytest.fixture(scope="module", autouse=True)
+def small_vocabulary():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(language, "VOCABULARY_PAIRS", 200)
+        yield
 
 
-def test_one_seed_gives_the_same_weights_also_after_an_interruption(tokens, tmp_path):
-    steps = []
+@pytest.fixture(scope="module")
+def spelling(small_vocabulary):
+    return Spelling(*train_vocabulary(CONFIG, (), PASSAGES))
 
-    def interrupted(_, step, of):
-        steps.append((step, of))
-        if len(steps) == 3:
+
+def trained(taught, folder, config=CONFIG, progress=lambda *_: None):
+    return stored(train_language(config, taught, folder, progress)).state_dict()
+
+
+def test_one_seed_gives_the_same_weights_also_after_an_interruption_in_any_stage(taught, tmp_path):
+    shown = []
+
+    def interrupted(what, step, _):
+        stage = what.split(",")[1].strip()
+        shown.append((stage, step))
+        if (stage, step) in (("english", 1), ("reading", 2), ("answers", 1)):
             raise KeyboardInterrupt
 
-    straight = trained(tokens, tmp_path / "straight")
-    with pytest.raises(KeyboardInterrupt):
-        trained(tokens, tmp_path / "broken", progress=interrupted)
-    resumed = trained(tokens, tmp_path / "broken", progress=interrupted)
-    assert steps == [(step, 6) for step in range(1, 7)]
-    assert straight.keys() == resumed.keys()
+    straight = trained(taught, tmp_path / "straight")
+    for _ in range(3):
+        with pytest.raises(KeyboardInterrupt):
+            trained(taught, tmp_path / "broken", progress=interrupted)
+    resumed = trained(taught, tmp_path / "broken", progress=interrupted)
+    steps = [("english", 2), ("reading", 3), ("answers", 2)]
+    assert shown == [(stage, step) for stage, of in steps for step in range(1, of + 1)]
     assert all(torch.equal(resumed[name], value) for name, value in straight.items())
-    other = trained(tokens, tmp_path / "other", replace(CONFIG, seed=1))
+    other = trained(taught, tmp_path / "other", replace(CONFIG, seed=1))
     assert not all(torch.equal(other[name], value) for name, value in straight.items())
 
 
-@pytest.mark.parametrize(
-    ("batch", "shift", "reason"),
-    [(4, 0, r"another setting of \['batch'\]; delete it to start over"), (8, 1, "fused_tokens")],
-)
-def test_a_checkpoint_of_another_run_is_refused(tokens, tmp_path, batch, shift, reason):
-    config = replace(CONFIG, steps=1)
-    trained(tokens, tmp_path, config)
-    with pytest.raises(UsageError, match=reason):
-        trained(tokens + shift, tmp_path, replace(config, batch=batch))
+def test_what_is_trained_is_not_trained_again_and_reads_and_speaks(taught, tmp_path):
+    folder = train_language(CONFIG, taught, tmp_path)
+    assert train_language(CONFIG, taught, tmp_path, pytest.fail) == folder
+    reader = Reader.load(folder)
+    assert reader.read("Which way is it turning?").line
+    assert reader.decoder.clip_width == WIDTH
 
 
-def test_the_loss_is_that_of_the_answer_tokens_alone(tokens):
-    speaker = new_speaker(tokens, CONFIG)
-    model, encoder = speaker.model, speaker.prompts
-    prompts = [encoder.prompt("which way?"), encoder.prompt("is the cap turning cw or not?")]
-    answers = [encoder.answer("A slide."), encoder.answer("Left, in the camera image.")]
-    token = model.projector.standardise(tokens[:2])
-    expected = 0.0
-    for row in range(2):
-        ids = torch.tensor([prompts[row] + answers[row]])
-        embedded = model.embed(ids, model.projector(tokens[row : row + 1]))
-        hidden = model.decoder(embedded)
-        logits = model.logits(hidden)[0, len(prompts[row]) - 1 : -1]
-        expected += float(
-            cross_entropy(logits, torch.tensor(answers[row]), reduction="sum").detach()
+def test_a_checkpoint_of_another_configuration_is_refused(taught, tmp_path):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        train_language(CONFIG, taught, tmp_path, stop)
+    with pytest.raises(UsageError, match="other settings; delete it to start over"):
+        train_language(replace(CONFIG, batch=16), taught, tmp_path)
+
+
+def test_a_model_goes_on_from_another_with_the_words_that_both_have(taught, tmp_path, monkeypatch):
+    before = train_language(CONFIG, taught, tmp_path / "before")
+    words = tuple(word for word in Reader.load(before).spelling.words if word != "way")
+    monkeypatch.setattr(language, "WORDS", (*words, "way", "new-word"))
+    monkeypatch.setattr("geotlm_lm.query.spelling.WORDS", (*words, "way", "new-word"))
+    still = replace(CONFIG, english_steps=0, reading_steps=0, answers_steps=0)
+    on = replace(taught, start=before)
+    after = train_language(still, on, tmp_path / "after")
+    one, other = Reader.load(before), Reader.load(after)
+    for word in ("way", "turn", SAY):
+        first, second = (
+            each.decoder.embeddings[each.spelling.id_of[word]] for each in (one, other)
         )
-    loss = float(answer_loss(model, token, prompts, answers).detach())
-    assert loss == pytest.approx(expected, rel=1e-5)
+        np.testing.assert_allclose(first, second)
+    name = "model.layers.0.mlp.up_proj.weight"
+    np.testing.assert_allclose(one.decoder.stored[name], other.decoder.stored[name])
 
 
-def test_the_rate_falls_to_nothing_in_a_cooldown_of_a_ninth():
-    config = LanguageTraining(steps=900, warmup=100)
-    assert config.all_steps == 1000
-    rates = [learning_rate_at(step, config) for step in range(config.all_steps)]
-    assert max(rates) == pytest.approx(config.learning_rate)
-    assert rates[900] == pytest.approx(0.1 * config.learning_rate)
-    assert rates[999] == pytest.approx(0.001 * config.learning_rate)
-    assert all(later < earlier for earlier, later in pairwise(rates[900:]))
+def test_what_is_wanted_are_programs_sentences_and_slots_each_of_the_state_before(spelling):
+    row = Row([5, 6, 7], [20, 21], [30, 31, 32], clip=2)
+    batch = laid([row, Row([5], [22], [30, 33], clip=1)], [90, 91, 92, 93])
+    clip = PREFIX + len(SLOTS)
+    assert batch.ids[0, PREFIX : clip + 8].tolist() == [90, 91, 92, 93, 5, 6, 7, 20, 21, 30, 31, 32]
+    text = [UNASKED, UNASKED, 20, 21, UNASKED, 31, 32, UNASKED]
+    assert batch.wanted[0, clip : clip + 8].tolist() == text
+    assert batch.wanted[1, clip : clip + 4].tolist() == [22, UNASKED, 33, UNASKED]
+    assert (batch.wanted[:, :clip] == UNASKED).all()
+    assert batch.clip.tolist() == [2, 1]
 
 
-def test_presses_are_asked_about_twice_as_often_as_turns():
-    labels = [MotionLabel(Motion.CLOCKWISE)] * 3 + [MotionLabel(Motion.PRESS)]
-    shares = drawing_shares(labels)
-    assert shares == pytest.approx([0.2, 0.4, 0.6, 1.0])
-    chosen = draw_clips(shares, 4000, seed=0, step=0)
-    assert np.bincount(chosen) / 4000 == pytest.approx([0.2, 0.2, 0.2, 0.4], abs=0.03)
-    assert not np.array_equal(chosen, draw_clips(shares, 4000, seed=0, step=1))
+def test_each_text_is_hidden_by_its_own_share_and_no_program_is(spelling):
+    rows = [Row(list(range(20)), list(range(9)))] * 800
+    is_hidden, wanted = hidden(laid(rows), 0.2, torch.Generator().manual_seed(1))
+    assert not is_hidden[:, 20:].any()
+    shares = is_hidden[:, :20].float().mean(dim=1)
+    assert float(shares.mean()) == pytest.approx(0.2, abs=0.03)
+    assert float(shares.min()) == 0
+    assert float(shares.max()) > 0.3
+    assert torch.equal(wanted, laid(rows).wanted)
 
 
-def label(**truth):
-    made = {"contact_fraction": (0.1,), "radius_px": 20.0, "visible_grey": (9.0, 9.0, 9.0)}
-    return MotionLabel(Motion.STILL, **made | truth)
+def test_words_hidden_of_a_passage_are_asked_for_where_they_stood(spelling):
+    rows = [Row(list(range(1, 21)), is_masked=True)] * 400
+    batch = laid(rows)
+    is_hidden, wanted = hidden(batch, 0.2, torch.Generator().manual_seed(1))
+    assert float(is_hidden[:, :20].float().mean()) == pytest.approx(MASKED, abs=0.02)
+    assert torch.equal(wanted != UNASKED, is_hidden)
+    assert torch.equal(wanted[is_hidden], batch.ids[is_hidden])
 
 
-def test_felt_words_are_those_of_every_component_at_once():
-    labels = [
-        label(rotation_deg=8.0, travel_px=(-5.0, 4.0), depth_change_mm=-0.3),
-        label(rotation_deg=-8.0, travel_px=(0.2, 0.0)),  # slides too little
-        label(rotation_deg=8.0, visible_grey=(0.5, 9.0, 9.0)),  # turns unseen
-        label(travel_px=(0.0, 5.0), contact_fraction=(0.0,)),
-    ]
-    told = [
-        [
-            None if place == UNASKED else words[place]
-            for place, words in zip(row, SLOTS.values(), strict=True)
-        ]
-        for row in felt_words(labels).tolist()
-    ]
-    assert told == [
-        ["clockwise", "left", "release", "yes"],
-        ["counterclockwise", None, "none", "yes"],
-        [None, "none", "none", "yes"],
-        ["none", "none", "none", "no"],
-    ]
+def test_a_passage_is_guessed_at_or_goes_on(spelling):
+    rng, text = Random(0), spelling.text(PASSAGES[0])
+    rows = [english_row(spelling, PASSAGES[0], rng) for _ in range(40)]
+    masked = [row for row in rows if row.is_masked]
+    assert 10 < len(masked) < 30
+    assert all(row.question == text[: len(row.question)] for row in masked)
+    for row in (row for row in rows if not row.is_masked):
+        assert row.sentence[0] == spelling.id_of[SAY]
+        assert row.question + row.sentence[1:] == text[: len(row.question) + len(row.sentence) - 1]
 
 
-def test_some_readings_are_disturbed_to_the_fused_token_alone(tokens):
-    config, many = replace(CONFIG, motion_width=5), tokens.repeat(50, 1)
-    model = new_speaker(tokens, config).model
-    plain = model.projector.standardise(many)
-    token = _disturbed(model, many, config, 0, "noise")
-    is_silent = (token[:, -5:] == 0).all(dim=1)
-    assert float(is_silent.float().mean()) == pytest.approx(SILENT_SHARE, abs=0.03)
-    # What tells of the motion is noisy in itself; the fused token gets noise in every row.
-    assert torch.equal(token[~is_silent, -5:], plain[~is_silent, -5:])
-    assert float((token - plain)[:, :-5].std()) == pytest.approx(config.noise, rel=0.03)
+@pytest.mark.slow
+def test_the_same_rows_come_from_any_step_on_and_by_any_number_of_processes(spelling):
+    drawing = Questions(
+        spelling, corpus("train")[:20], 4, 0.25, 0.25, PASSAGES, 2, SIZE.max_tokens, seed=5
+    )
+
+    def rows(step, workers, count, passes=1):
+        steps = islice(steps_from(drawing, step, workers, passes), count)
+        return [[batch.ids.tolist() for batch in batches] for batches in steps]
+
+    plain = rows(0, 0, 3 * POOL)
+    assert rows(POOL + 3, 0, POOL) == plain[POOL + 3 : 2 * POOL + 3]
+    assert rows(0, 2, 3 * POOL) == plain
+    assert rows(0, 0, 2 * POOL, passes=2) == [*plain[:POOL], *plain[:POOL]]
 
 
-def test_slots_are_learned_from_the_whole_reading_and_from_the_fused_token_alone():
-    rng = np.random.default_rng(0)
-    labels = [
-        label(rotation_deg=float(turn), travel_px=tuple(way), depth_change_mm=float(press))
-        for turn, way, press in zip(
-            rng.choice([-9, 0, 9], 300),
-            rng.choice([-6.0, 0.0, 6.0], (300, 2)) * (1.0, 0.7),
-            rng.choice([-0.4, 0, 0.4], 300),
-            strict=True,
-        )
-    ]
-    words = felt_words(labels)
-    told = torch.cat([torch.eye(5)[words[:, place]] for place in range(4)], dim=1)
-    readings = torch.cat([told, told], dim=1)
-    config = replace(CONFIG, motion_width=20)
-    speaker = new_speaker(readings, config)
-    optimiser = torch.optim.AdamW(speaker.model.parameters(), lr=3e-3)
-    for step in range(60):
-        loss = felt_loss(speaker, _disturbed(speaker.model, readings, config, step, "felt"), words)
-        optimiser.zero_grad()
-        loss.backward()
-        optimiser.step()
-    silent = readings.clone()
-    silent[:, -20:] = speaker.model.projector.mean[-20:]
-    for seen, least in ((readings, 0.98), (silent, 0.95)):
-        for place, shares in enumerate(speaker.feel(seen).values()):
-            assert (shares.argmax(dim=1) == words[:, place]).float().mean() > least
-
-
-def test_slots_of_which_nothing_is_asked_teach_nothing(tokens):
-    speaker = new_speaker(tokens, CONFIG)
-    words = torch.full((len(tokens), len(SLOTS)), UNASKED)
-    felt_loss(speaker, speaker.model.projector.standardise(tokens), words).backward()
-    grads = [one.grad for one in speaker.model.parameters() if one.grad is not None]
-    assert grads
-    assert all(bool((one == 0).all()) for one in grads)
+def test_programs_composed_at_random_say_in_words_what_they_mean():
+    for pair in islice(composed(Random(1)), 200):
+        program = read(pair.query)
+        assert write(normal(program)) == pair.query
+        numbers = [each.quantity for each in find(pair.text)]
+        assert restated(filled(program, numbers)) in pair.text

@@ -10,7 +10,7 @@ import pytest
 import torch
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
-from geotlm_lm.training import reading
+from geotlm_lm.training import language
 from geotlm_lm.training.fit import load_checkpoint
 from geotlm_lm.training.ranks import ALONE, Ranks, device_named
 from tests.training.shared_steps import STEPS, curves
@@ -25,11 +25,11 @@ Gradients 3 % off come to 2e-3 to 2e-2."""
 
 @pytest.fixture(scope="module", autouse=True)
 def _as_ranks_do():
-    threads, pairs = torch.get_num_threads(), reading.VOCABULARY_PAIRS
+    threads, pairs = torch.get_num_threads(), language.VOCABULARY_PAIRS
     torch.set_num_threads(1)
     yield
     torch.set_num_threads(threads)
-    reading.VOCABULARY_PAIRS = pairs
+    language.VOCABULARY_PAIRS = pairs
 
 
 @pytest.fixture(scope="module")
@@ -62,17 +62,17 @@ def resumed(together):
 def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together, resumed):
     (_, straight), (_, (first, second)) = alone, together
     assert first == second  # each knows the loss of the whole batch
-    assert {len(losses) for losses in first.values()} == {STOPPED_AT}
-    assert straight.keys() == resumed.keys()
+    assert sorted(map(len, first.values())) == [STOPPED_AT, STOPPED_AT, STEPS, STEPS]
+    assert straight.keys() == first.keys()
     for name, losses in straight.items():
         assert len(losses) == STEPS
-        assert first[name] + resumed[name] == pytest.approx(losses, rel=1e-3), name
+        assert first[name] + resumed.get(name, []) == pytest.approx(losses, rel=1e-3), name
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("resumed")
 def test_two_ranks_and_then_one_end_at_the_weights_of_one(alone, together):
-    for name in ("backbone.pt", "language_checkpoint.pt", "reader_checkpoint.pt"):
+    for name in ("backbone.pt", "language.pt"):
         wanted, found = (load_checkpoint(folder / name) for folder in (alone[0], together[0]))
         assert found["step"] == wanted["step"]
         part = "vit" if name == "backbone.pt" else "model"

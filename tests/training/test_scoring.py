@@ -1,49 +1,26 @@
-"""What the card counts: a scripted speaker whose right and wrong answers are known."""
+"""What the card counts: a scripted language model whose right and wrong words are known."""
 
 import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.checkpoint import Calibration
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
-from geotlm_lm.data.questions import questions_for
-from geotlm_lm.language.slots import SLOTS
+from geotlm_lm.language.size import SLOTS
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.training.language import UNASKED, felt_words
-from geotlm_lm.training.scoring import (
-    ClipSet,
-    felt_likelihoods,
-    felt_scores,
-    score_bundle,
-    true_option_likelihoods,
-)
+from geotlm_lm.query.speaker import TactilePrefix
+from geotlm_lm.training.scoring import ClipSet, felt_likelihoods, felt_scores, score_bundle
+from geotlm_lm.training.sentences import ATOM_OF, UNASKED, felt_words
 from tests.tiny_bundle import WIDTH, tiny_bundle
 
 MOTIONS = (*DIRECTED, Motion.STILL, Motion.NONE)
 
 
-class Knowing:
-    """Reads the motion off the token and says one fixed thing of it."""
-
-    def __init__(self, grammar, says):
-        self.says = {one: grammar.sentence(says(one)) for one in Motion}
-
-    def generate(self, tokens, questions):
-        assert len(tokens) == len(questions)
-        return [self.says[list(Motion)[int(token[0])]] for token in tokens]
-
-    def score(self, token, question, options):
-        said = self.says[list(Motion)[int(token[0])]]
-        return np.array([0.0 if option == said else -5.0 for option in options])
-
-
-def clips(contact_share=0.5, unreadable=0):
-    labels = [MotionLabel(one, is_readable=i >= unreadable) for i, one in enumerate(MOTIONS)]
+def clips(labels):
     tokens = torch.zeros(len(labels), WIDTH)
-    tokens[:, 0] = torch.tensor([float(list(Motion).index(one)) for one in MOTIONS])
-    share = np.full(len(labels), contact_share)
-    return ClipSet(tokens, tokens, share, still(len(labels)), labels, ["ball"] * len(labels))
+    tokens[:, 0] = torch.arange(len(labels))
+    count = len(labels)
+    return ClipSet(tokens, tokens, np.ones(count), still(count), labels, ["ball"] * count)
 
 
 def still(count):
@@ -53,61 +30,52 @@ def still(count):
     return Measured(paths, torch.ones_like(paths), every, torch.zeros(count), radius, hints)
 
 
-@pytest.fixture(scope="module")
-def bundle():
-    return tiny_bundle(Calibration(contact_threshold=0.1))
+class Feeling:
+    """Fills a clip's slots as it is told, three to one, but of a silent reading with their last
+    word."""
+
+    def __init__(self, words, mean):
+        self.words, self.mean = words, mean
+
+    def prefix(self, numbers):
+        clip, slots = int(numbers[0]), {}
+        is_silent = (numbers[-BELIEF_NUMBERS:] == self.mean[-BELIEF_NUMBERS:]).all()
+        for place, (slot, among) in enumerate(SLOTS.items()):
+            shares = np.full(len(among), 1.0)
+            shares[-1 if is_silent else self.words[clip, place]] = 3.0
+            slots[slot] = np.log(shares / shares.sum())
+        return TactilePrefix(None, slots)
 
 
-def truth_of(motion):
-    return questions_for(MotionLabel(motion), np.random.default_rng(0), types=("T1",))[0].slots
-
-
-def saying(bundle, says):
-    bundle.speaker = Knowing(bundle.grammar, says)
+def feeling(words):
+    bundle = tiny_bundle()
+    bundle.speaker = Feeling(np.asarray(words), bundle.reader.decoder.projector["mean"])
     return bundle
 
 
-def test_true_answers_are_all_right_and_claim_nothing_false(bundle):
-    scores = score_bundle(saying(bundle, truth_of), clips(), seed=0)
-    assert scores["rotation"]["generated"] == scores["sliding"]["generated"] == 1.0
-    assert scores["sliding"]["generated_held_out_wordings"] == 1.0
-    assert (scores["by_type"]["T1 seen"], scores["by_type"]["T1 held_out"]) == (1.0, 1.0)
-    assert scores["false_directions"] == 0.0
-    # The true one of ten answers is e^5 times as likely as each other one.
-    assert scores["scored"] == 1.0
-    assert scores["calibration_error"] == pytest.approx(9 / (np.e**5 + 9))
-    # The sentence about direction answers no question of another kind.
-    assert scores["by_type"]["T5 seen"] == 0.0
+def words_of(motion):
+    """Places of the words that a motion has at the slots."""
+    word = ATOM_OF.get(motion, "none")
+    return [words.index(word) if word in words else len(words) - 1 for words in SLOTS.values()]
 
 
-def test_a_direction_claimed_of_everything_is_counted(bundle):
-    scores = score_bundle(saying(bundle, lambda _: truth_of(Motion.LEFT)), clips(), seed=0)
-    assert scores["rotation"]["generated"] == 0.0
-    assert scores["sliding"]["generated"] == 0.25
-    assert scores["false_directions"] == 1.0
+def test_the_words_at_the_slots_are_counted_among_the_motions_of_a_task():
+    labels = [MotionLabel(one) for one in MOTIONS]
+    words = np.array([words_of(one) for one in MOTIONS])
+    right = score_bundle(feeling(words), clips(labels))
+    assert right["rotation"]["language model's slots"] == 1.0
+    assert right["sliding"]["language model's slots"] == 1.0
+    left = words.copy()
+    left[:, 1] = SLOTS["slide"].index("left")
+    assert score_bundle(feeling(left), clips(labels))["sliding"]["language model's slots"] == 0.25
 
 
-def test_directions_withheld_for_want_of_contact_are_neither_right_nor_claimed(bundle):
-    untouched = clips(contact_share=0.05)
-    scores = score_bundle(saying(bundle, truth_of), untouched, seed=0)
-    assert scores["rotation"]["generated"] == scores["sliding"]["generated"] == 0.0
-    # Still and untouched are no directions: they are said all the same, 2 of 8 clips.
-    assert scores["by_type"]["T1 seen"] == 0.25
-    claims = score_bundle(saying(bundle, lambda _: truth_of(Motion.LEFT)), untouched, seed=0)
-    assert claims["false_directions"] == 0.0
-
-
-def test_unreadable_clips_are_left_out_and_counted(bundle):
-    scores = score_bundle(saying(bundle, truth_of), clips(unreadable=2), seed=0)
+def test_unreadable_clips_are_left_out_and_counted():
+    labels = [MotionLabel(one, is_readable=place >= 2) for place, one in enumerate(MOTIONS)]
+    scores = score_bundle(feeling([words_of(one) for one in MOTIONS]), clips(labels))
     assert (scores["clips"], scores["unreadable_clips"]) == (8, 2)
     assert scores["rotation"]["clips"] == 0
     assert scores["sliding"]["clips"] == 4
-
-
-def test_calibration_reads_the_likelihood_of_the_true_answer(bundle):
-    likelihoods, truths = true_option_likelihoods(saying(bundle, truth_of), clips(), seed=0)
-    assert likelihoods.shape == (len(MOTIONS), len(Motion))
-    assert (likelihoods[np.arange(len(truths)), truths] == 0.0).all()
 
 
 MIXED = [
@@ -120,34 +88,13 @@ MIXED = [
 ]
 
 
-class Feeling:
-    """Fills the slots as it is told, three to one, but of a silent reading with their last word."""
-
-    def __init__(self, words, model):
-        self.words, self.model = words, model
-
-    def feel(self, readings):
-        is_silent = (
-            readings[:, -BELIEF_NUMBERS:] == self.model.projector.mean[-BELIEF_NUMBERS:]
-        ).all()
-        felt = {}
-        for place, (slot, among) in enumerate(SLOTS.items()):
-            said = torch.full((len(readings), len(among)), 1.0)
-            chosen = [len(among) - 1] * len(readings) if is_silent else self.words[:, place]
-            said[range(len(readings)), chosen] = 3.0
-            felt[slot] = (said / said.sum(dim=1, keepdim=True)).log()
-        return felt
-
-
 def test_words_at_the_slots_are_scored_where_something_is_asked():
-    bundle, count = tiny_bundle(), len(MIXED)
-    tokens = torch.zeros(count, WIDTH)
-    seen = ClipSet(tokens, tokens, np.ones(count), still(count), MIXED, ["ball"] * count)
+    count, seen = len(MIXED), clips(MIXED)
     words = felt_words(MIXED)
     assert (words == UNASKED).nonzero().tolist() == [[2, 1]]
     said = words.clamp(min=0)
     said[0, 0] = SLOTS["turn"].index("none")
-    bundle.speaker = Feeling(said, bundle.speaker.model)
+    bundle = feeling(said)
     assert felt_scores(bundle, seen) == {
         "turn": pytest.approx(2 / 3),
         "slide": 1.0,

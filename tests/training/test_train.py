@@ -5,29 +5,25 @@ import re
 import shutil
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.checkpoint import load_bundle, reading_of
+from geotlm_lm.answering import Answerer
+from geotlm_lm.checkpoint import load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
-from geotlm_lm.language.decoder import LanguageSize
-from geotlm_lm.language.slots import SLOTS
-from geotlm_lm.motion.measured import measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.language.size import SLOTS, LanguageSize
 from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.program import Program
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
-from geotlm_lm.training import config, examples, language, reading, train
+from geotlm_lm.training import config, english, examples, language, train
 from geotlm_lm.training.config import example_sets
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.language import LanguageTraining
-from geotlm_lm.training.reading import ReadingTraining
 
 pytestmark = pytest.mark.slow
 
@@ -43,16 +39,16 @@ TINY = replace(
     pretraining_draws=8,
     pretraining_batch=4,
     geometry_epochs=2,
-    language_steps=2,
-    language_batch=4,
+    english_steps=2,
     reading_steps=2,
-    reading_teachers=2,
-    taught_steps=2,
-    reading_batch=4,
+    answers_steps=2,
+    answer_clips=3,
+    language_batch=4,
 )
 SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16)
-READER = {"size": replace(SMALL, tactile_tokens=0, max_tokens=704), "vocabulary": 300, "dropout": 0}
+LANGUAGE = {"size": SMALL, "vocabulary": 300, "dropout": 0}
 """Byte pairs are left apart by chance, which no seed rules."""
+PASSAGE = "a cap turns about its axis when a hand turns it, and so does a lid of a jar"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -61,10 +57,11 @@ def _tiny():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(config.PRESETS, "tiny", TINY)
         patch.setattr(examples, "CHUNK_CLIPS", 20)
-        patch.setattr(train, "LanguageTraining", partial(LanguageTraining, size=SMALL))
-        patch.setattr(train, "ReadingTraining", partial(ReadingTraining, **READER))
+        patch.setattr(train, "LanguageTraining", partial(LanguageTraining, **LANGUAGE))
         patch.setattr(train, "corpus", lambda split: corpus(split)[:20])
-        patch.setattr(reading, "VOCABULARY_PAIRS", 200)
+        patch.setattr(language, "VOCABULARY_PAIRS", 200)
+        patch.setattr(english, "fetch", lambda folder, progress: folder)
+        patch.setattr(english, "passages", lambda path: [PASSAGE] * 20)
         yield
     torch.set_num_threads(threads)
 
@@ -76,25 +73,23 @@ def finished(tmp_path_factory):
     return out
 
 
-def reading_of_clip(bundle, clip):
-    seen = bundle.model.perceive([clip])
-    motions = torch.from_numpy(seen.motions[0].numbers())[None]
-    found = measured(seen.inputs, motions, seen.geometry, seen.fused_token)
-    return reading_of(seen.fused_token, bundle.motion(found))
-
-
 def test_the_folder_is_a_bundle_that_answers(finished):
     bundle = load_bundle(finished / "bundle")
     frames = np.random.default_rng(0).integers(90, 120, (4, 32, 40, 3)).astype(np.uint8)
     clip = Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
-    reading = reading_of_clip(bundle, clip)
-    assert reading.shape == (1, TINY.backbone_width + BELIEF_NUMBERS)
-    assert isinstance(bundle.speaker.generate(reading, ["Which way?"])[0], str)
-    written = {path.name for path in (finished / "bundle" / "reader").iterdir()}
-    assert written == {"config.json", "model.safetensors", "tokenizer.json"}
+    encoded = Answerer(bundle).encode(clip)
+    assert set(encoded.prefix.slots) == set(SLOTS)
+    assert isinstance(bundle.speaker.sentence(encoded.prefix, "Which way?", "way all", ""), str)
+    written = {path.name for path in (finished / "bundle" / "language").iterdir()}
+    assert written == {
+        "config.json",
+        "model.safetensors",
+        "projector.safetensors",
+        "spelling.json",
+        "tokenizer.json",
+    }
     assert isinstance(bundle.reader.read("Did it turn 20 degrees?").program, Program)
-    assert set(bundle.speaker.feel(reading)) == set(SLOTS)
-    assert min(bundle.calibration.temperature, bundle.calibration.felt_temperature) > 0
+    assert bundle.calibration.felt_temperature > 0
     assert set(bundle.provenance["dgr_validation_accuracy"]) == {"paper", "grounded"}
 
 
@@ -107,7 +102,6 @@ def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
     assert scores["rotation"]["clips"] == sum(motion in ROTATIONS for motion in motions)
     assert scores["sliding"]["clips"] == sum(motion in SLIDES for motion in motions)
     assert scores["unreadable_clips"] == 20 - len(motions)
-    assert {name.split()[1] for name in scores["by_type"]} == {"seen", "held_out"}
     assert set(scores["felt"]) == set(scores["felt by the fused token alone"]) == set(SLOTS)
     card = (finished / "bundle" / "README.md").read_text()
     command = "geotlm-lm train --preset tiny --seed 3 --workers 1 --out RUN_FOLDER"
@@ -121,7 +115,7 @@ def test_the_card_tells_the_scores_and_the_command_that_made_them(finished):
 
 def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, monkeypatch):
     shutil.copytree(finished / "examples", tmp_path / "examples")
-    take_step, taken = language._step, []
+    take_step, taken = language._Stage._step, []
 
     def interrupted(*arguments):
         if taken:
@@ -130,7 +124,7 @@ def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, m
         return take_step(*arguments)
 
     with monkeypatch.context() as patch:
-        patch.setattr(language, "_step", interrupted)
+        patch.setattr(language._Stage, "_step", interrupted)
         with pytest.raises(KeyboardInterrupt):
             train.train("tiny", tmp_path, seed=3, workers=1)
     assert not (tmp_path / "bundle").exists()
@@ -155,14 +149,14 @@ def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, m
     assert first["numbers"] == second["numbers"]
 
 
-def test_a_reader_is_taken_from_a_bundle_as_it_is(finished, tmp_path, monkeypatch):
-    run = shutil.copytree(finished, tmp_path / "run")
-    bundle = (run / "bundle").rename(tmp_path / "other")
-    monkeypatch.delattr(train, "train_reader")
-    train.train("tiny", run, seed=3, workers=1, reader_of_bundle=bundle)
-    weights = Path("reader", "model.safetensors")
-    assert (run / "bundle" / weights).read_bytes() == (bundle / weights).read_bytes()
-    assert "--reader other" in load_bundle(run / "bundle").provenance["command"]
+def test_perception_is_taken_from_a_bundle_as_it_is(finished, tmp_path, monkeypatch):
+    for name in ("pretrain", "train_geometry", "train_motion"):
+        monkeypatch.delattr(train, name)
+    train.train("tiny", tmp_path, seed=3, workers=1, perception=finished / "bundle")
+    before, after = (folder / "bundle" for folder in (finished, tmp_path))
+    name = "perception.safetensors"
+    assert (after / name).read_bytes() == (before / name).read_bytes()
+    assert "--perception bundle" in load_bundle(after).provenance["command"]
 
 
 def test_another_seed_in_the_same_folder_is_refused(finished):
