@@ -1,7 +1,8 @@
 """Train the language model: first English, then what questions mean, then to answer about clips.
 
 Each stage goes on from the weights of the one before and from its own last checkpoint. In the last
-one questions are read beside, so that nothing learned is lost. Two runs of one seed are alike, not
+one the weights before teach how questions are read, beside their labels, so that nothing learned is
+lost (learning without forgetting, Li and Hoiem 2016). Two runs of one seed are alike, not
 equal: see `language_rows`.
 """
 
@@ -11,15 +12,13 @@ import json
 import math
 import time
 from collections.abc import Iterator, Sequence
+from copy import deepcopy
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
-from itertools import islice, pairwise
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 from tokenizers import Tokenizer
 from torch import Tensor
 from torch.nn.functional import cross_entropy, pad
@@ -29,23 +28,22 @@ from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.language.decoder import LanguageModel, fresh, served, stored
-from geotlm_lm.language.size import SLOTS, LanguageSize
+from geotlm_lm.language.size import LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.lexicon import Lexicon
-from geotlm_lm.query.reader import MOST_SAID, SPELLING_FILE, Reader, spelled_by
-from geotlm_lm.query.spelling import SLOT_TOKENS, WORDS, Spelling, plain_parts
+from geotlm_lm.query.reader import SPELLING_FILE, Reader, spelled_by
+from geotlm_lm.query.spelling import WORDS, Spelling, plain_parts
 from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language_rows import (
     POOL,
     SLOT,
     UNASKED,
+    Answers,
     Batch,
     Questions,
-    Row,
     hidden,
-    laid,
     positions,
     rounded,
     sight,
@@ -75,9 +73,6 @@ FELT = 4.0
 """Weight of a word at a slot against 1 for a token of a sentence: there are four, and they are what
 is held beside other ways to name a motion."""
 
-UNTOLD = 0.2
-"""How often an answer that cannot tell is drawn against 1 for the others."""
-
 STAGES = ("english", "reading", "answers")
 
 BESIDE = 0.1
@@ -86,6 +81,9 @@ questions have left to learn."""
 
 ANSWERS = 0.5
 """Weight of answers beside questions."""
+
+LABEL = 0.25
+"""Weight of a program's label beside what the weights before answers make of a question."""
 
 
 @dataclass(frozen=True)
@@ -233,6 +231,7 @@ class _Stage:
         config, ranks = self.config, self.ranks
         if self.name == "answers" and not step:
             model.projector.standardise_by(torch.from_numpy(self.taught.sentences.numbers).float())
+        before = self._before(model, folder) if self.name == "answers" else None
         draws = self._batches(step)
         saved_at = time.monotonic()
         try:
@@ -241,7 +240,7 @@ class _Stage:
                     group["lr"] = self.rate_at(step)
                 batches = ranks.from_first(lambda: next(draws))
                 with uninterrupted_step():
-                    loss = self._step(model, batches, optimiser, step)
+                    loss = self._step(model, batches, optimiser, step, before)
                     step += 1
                 self.progress(f"language, {self.name}, loss {loss:.3f}", step, self.steps)
                 if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
@@ -250,6 +249,18 @@ class _Stage:
         finally:
             if ranks.is_first:
                 _save(folder, config, model, optimiser, self.name, step)
+
+    def _before(self, model: LanguageModel, folder: Path) -> LanguageModel:
+        """Return the model as it was before this stage, which the first rank keeps in `folder`."""
+        path = folder / "before_answers.pt"
+        kept = self.ranks.from_first(lambda: load_checkpoint(path))
+        if kept is None:
+            kept = {name: weights.cpu().clone() for name, weights in model.state_dict().items()}
+            if self.ranks.is_first:
+                save_checkpoint(path, kept)
+        before = deepcopy(model).eval().requires_grad_(False)
+        before.load_state_dict(kept)
+        return before
 
     def rate_at(self, step: int) -> float:
         """Return the learning rate of a step."""
@@ -278,7 +289,7 @@ class _Stage:
         drawn = steps_from(drawing, step, self.workers, config.passes)
         if self.name != "answers":
             yield from drawn
-        answers, made, parts = _Answers(self.taught.sentences, self.spelling), -1, []
+        answers, made, parts = Answers(self.taught.sentences, self.spelling), -1, []
         for place, batches in enumerate(drawn, step):
             pool, part = divmod(place, POOL)
             if pool != made:
@@ -287,7 +298,12 @@ class _Stage:
             yield [*batches, parts[part]]
 
     def _step(
-        self, model: LanguageModel, batches: list[Batch], optimiser: Muon, step: int
+        self,
+        model: LanguageModel,
+        batches: list[Batch],
+        optimiser: Muon,
+        step: int,
+        before: LanguageModel | None = None,
     ) -> float:
         """Learn from this rank's share of the rows; return the loss of all."""
         config, ranks = self.config, self.ranks
@@ -301,8 +317,10 @@ class _Stage:
             asked /= self._weights()[place]
             mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
             if len(mine.ids):
+                teacher = None if place else before
                 with ranks.bfloat16_products():
-                    loss = _loss(model, mine, ranks.share(is_hidden), prefix, ranks.device)
+                    shown = ranks.share(is_hidden), prefix, ranks.device
+                    loss = _loss(model, mine, *shown, teacher)
                 (loss / asked).backward()
                 total += loss.item() / asked
         total = ranks.average(model.parameters(), total)
@@ -331,71 +349,47 @@ class _Stage:
         return self.ranks.share(numbers)
 
 
-@dataclass(frozen=True, eq=False)
-class _Answers:
-    """Draws answers about clips, and what is felt in them."""
-
-    sentences: Sentences
-    spelling: Spelling
-
-    def pool(self, rng: np.random.Generator, count: int) -> list[Batch]:
-        """Return the rows of `POOL` steps, each step's about `count` of one length."""
-        drawn = rng.choice(len(self.sentences.rows), size=POOL * count, p=self._shares)
-        rows = list(filter(None, map(self._row, drawn)))
-        rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
-        ends = [place * len(rows) // POOL for place in range(POOL + 1)]
-        parts = [self._batch(rows[start:end]) for start, end in pairwise(ends)]
-        return [parts[place] for place in rng.permutation(POOL)]
-
-    def _batch(self, rows: list[Row]) -> Batch:
-        """Return rows side by side, the slots' words asked as well."""
-        slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
-        batch = laid(rows, slots)
-        words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
-        wanted = batch.wanted.clone()
-        at = (batch.kind[0] == SLOT).nonzero()[:, 0]
-        for place, ids in enumerate(words):
-            felt = self.sentences.words[batch.clip.numpy(), place]
-            asked = [ids[word] if word != UNASKED else UNASKED for word in felt]
-            wanted[:, at[place]] = torch.tensor(asked)
-        return batch._replace(wanted=wanted)
-
-    @cached_property
-    def _shares(self) -> NDArray[np.float64]:
-        """How often each row is drawn: what tells nothing seldom, as it is always the same."""
-        weights = np.array([1.0 if row.is_told else UNTOLD for row in self.sentences.rows])
-        return weights / weights.sum()
-
-    def _row(self, place: int) -> Row | None:
-        row = self.sentences.rows[place]
-        sentence = self.spelling.sentence(row.sentence)
-        if sentence is None or len(sentence) > MOST_SAID:
-            return None
-        question = self.spelling.question(row.text).ids
-        return Row(question, self.spelling.query(row.query.split()), sentence, row.clip)
-
-
 def _loss(
-    model: LanguageModel, batch: Batch, is_hidden: Tensor, prefix: Tensor | None, device: str
+    model: LanguageModel,
+    batch: Batch,
+    is_hidden: Tensor,
+    prefix: Tensor | None,
+    device: str,
+    before: LanguageModel | None = None,
 ) -> Tensor:
-    """Return the summed cross entropy of what is wanted, in nats."""
-    on_device = [x.to(device, non_blocking=True) for x in (batch.ids, batch.kind, batch.wanted)]
-    ids, kind, wanted = on_device
-    embedded = model.embed(ids) * ~is_hidden.to(device)[..., None]
-    if prefix is not None:
-        made = model.projector.from_standardised(prefix.to(device)).to(embedded.dtype)
-        embedded = torch.cat([made, embedded[:, made.shape[1] :]], dim=1)
-    states = model.states(embedded, sight(kind), positions(kind))
-    is_wanted = wanted != UNASKED
+    """Return the summed cross entropy of what is wanted, in nats; of what `before` makes of it."""
+    batch = Batch(*(each.to(device, non_blocking=True) for each in batch))
+    is_wanted = batch.wanted != UNASKED
     count = int(is_wanted.sum())
     spare = rounded(count, 64) - count
-    asked = pad(states[is_wanted], (0, 0, 0, spare))
-    labels = pad(wanted[is_wanted], (0, spare), value=UNASKED)
-    costs = cross_entropy(
-        model.logits(asked).float(), labels, reduction="none", ignore_index=UNASKED
-    )
-    weights = torch.where(kind == SLOT, FELT, 1.0)[is_wanted]
+    labels = pad(batch.wanted[is_wanted], (0, spare), value=UNASKED)
+    given = batch, is_hidden.to(device), prefix, is_wanted, spare
+    logits = _logits(model, *given)
+    costs = cross_entropy(logits, labels, reduction="none", ignore_index=UNASKED)
+    if before is not None:
+        with torch.no_grad():
+            likely = _logits(before, *given).softmax(-1)
+        taught = -(likely * logits.log_softmax(-1)).sum(-1)
+        costs = (taught + LABEL * costs) / (1 + LABEL)
+    weights = torch.where(batch.kind == SLOT, FELT, 1.0)[is_wanted]
     return (costs[:count] * weights).sum()
+
+
+def _logits(
+    model: LanguageModel,
+    batch: Batch,
+    is_hidden: Tensor,
+    prefix: Tensor | None,
+    is_wanted: Tensor,
+    spare: int,
+) -> Tensor:
+    """Return the logits of the states of which something is wanted and of `spare` more."""
+    embedded = model.embed(batch.ids) * ~is_hidden[..., None]
+    if prefix is not None:
+        made = model.projector.from_standardised(prefix.to(embedded.device)).to(embedded.dtype)
+        embedded = torch.cat([made, embedded[:, made.shape[1] :]], dim=1)
+    states = model.states(embedded, sight(batch.kind), positions(batch.kind))
+    return model.logits(pad(states[is_wanted], (0, 0, 0, spare))).float()
 
 
 def _spelling(config: LanguageTraining, taught: Taught, folder: Path) -> Spelling:

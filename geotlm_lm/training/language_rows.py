@@ -11,10 +11,13 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import count, islice, pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
@@ -22,9 +25,12 @@ from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.language.size import PREFIX, SLOTS, TEXT
 from geotlm_lm.query.composed import composed
 from geotlm_lm.query.grammar import Pair, grammar
-from geotlm_lm.query.reader import MOST_WORDS
-from geotlm_lm.query.spelling import SAY, Spelling
+from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS
+from geotlm_lm.query.spelling import SAY, SLOT_TOKENS, Spelling
 from geotlm_lm.query.thesaurus import thesaurus
+
+if TYPE_CHECKING:
+    from geotlm_lm.training.sentences import Sentences
 
 POOL = 8
 """Steps whose rows are drawn together, so that each step's are of about one length."""
@@ -40,6 +46,9 @@ PAD, QUESTION, PROGRAM, SENTENCE, CLIP, SLOT = range(6)
 """Kinds of positions; what each may see is `sight`'s."""
 
 UNASKED = -1
+
+UNTOLD = 0.2
+"""How often an answer that cannot tell is drawn against 1 for the others."""
 
 
 class Row(NamedTuple):
@@ -241,6 +250,50 @@ def english_row(spelling: Spelling, text: str, rng: random.Random) -> Row:
         return Row(ids, is_masked=True)
     cut = rng.randint(1, len(ids))
     return Row(ids[:cut], sentence=[spelling.id_of[SAY], *ids[cut:]])
+
+
+@dataclass(frozen=True, eq=False)
+class Answers:
+    """Draws answers about clips, and what is felt in them."""
+
+    sentences: Sentences
+    spelling: Spelling
+
+    def pool(self, rng: np.random.Generator, count: int) -> list[Batch]:
+        """Return the rows of `POOL` steps, each step's about `count` of one length."""
+        drawn = rng.choice(len(self.sentences.rows), size=POOL * count, p=self._shares)
+        rows = list(filter(None, map(self._row, drawn)))
+        rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
+        ends = [place * len(rows) // POOL for place in range(POOL + 1)]
+        parts = [self._batch(rows[start:end]) for start, end in pairwise(ends)]
+        return [parts[place] for place in rng.permutation(POOL)]
+
+    def _batch(self, rows: list[Row]) -> Batch:
+        """Return rows side by side, the slots' words asked as well."""
+        slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
+        batch = laid(rows, slots)
+        words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
+        wanted = batch.wanted.clone()
+        at = (batch.kind[0] == SLOT).nonzero()[:, 0]
+        for place, ids in enumerate(words):
+            felt = self.sentences.words[batch.clip.numpy(), place]
+            asked = [ids[word] if word != UNASKED else UNASKED for word in felt]
+            wanted[:, at[place]] = torch.tensor(asked)
+        return batch._replace(wanted=wanted)
+
+    @cached_property
+    def _shares(self) -> NDArray[np.float64]:
+        """How often each row is drawn: what tells nothing seldom, as it is always the same."""
+        weights = np.array([1.0 if row.is_told else UNTOLD for row in self.sentences.rows])
+        return weights / weights.sum()
+
+    def _row(self, place: int) -> Row | None:
+        row = self.sentences.rows[place]
+        sentence = self.spelling.sentence(row.sentence)
+        if sentence is None or len(sentence) > MOST_SAID:
+            return None
+        question = self.spelling.question(row.text).ids
+        return Row(question, self.spelling.query(row.query.split()), sentence, row.clip)
 
 
 def steps_from(

@@ -10,7 +10,7 @@ import torch
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.language.decoder import stored
+from geotlm_lm.language.decoder import fresh, stored
 from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.composed import composed
@@ -22,7 +22,13 @@ from geotlm_lm.query.reader import Reader
 from geotlm_lm.query.restated import restated
 from geotlm_lm.query.spelling import SAY, Spelling
 from geotlm_lm.training import language
-from geotlm_lm.training.language import LanguageTraining, Taught, train_language, train_vocabulary
+from geotlm_lm.training.language import (
+    LABEL,
+    LanguageTraining,
+    Taught,
+    train_language,
+    train_vocabulary,
+)
 from geotlm_lm.training.language_rows import (
     MASKED,
     POOL,
@@ -213,3 +219,18 @@ def test_programs_composed_at_random_say_in_words_what_they_mean():
         assert write(normal(program)) == pair.query
         numbers = [each.quantity for each in find(pair.text)]
         assert restated(filled(program, numbers)) in pair.text
+
+
+def test_the_weights_before_teach_what_they_make_of_a_question(spelling):
+    one, other = (
+        fresh(SIZE, spelling.size, (12, 6), torch.Generator().manual_seed(seed)) for seed in (0, 1)
+    )
+    batch = laid([Row([5, 6, 7], [20, 21])])
+    given = batch, torch.zeros_like(batch.ids, dtype=torch.bool), None, "cpu"
+
+    def cost(model, before=None):
+        return float(language._loss(model, *given, before).detach())
+
+    assert cost(one, one) < cost(other, one)
+    entropy = cost(one, one) * (1 + LABEL) - LABEL * cost(one)
+    assert 0 < entropy <= 3 * np.log(spelling.size)  # of two words and the end at most

@@ -6,13 +6,11 @@ import shutil
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pytest
 import torch
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.checkpoint import load_bundle
-from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
 from geotlm_lm.language.size import SLOTS, LanguageSize
@@ -20,6 +18,7 @@ from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.program import Program
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
+from geotlm_lm.simulation.touch import Touch, simulate_touch
 from geotlm_lm.training import config, english, examples, language, train
 from geotlm_lm.training.config import example_sets
 from geotlm_lm.training.examples import read_examples
@@ -75,9 +74,7 @@ def finished(tmp_path_factory):
 
 def test_the_folder_is_a_bundle_that_answers(finished):
     bundle = load_bundle(finished / "bundle")
-    frames = np.random.default_rng(0).integers(90, 120, (4, 32, 40, 3)).astype(np.uint8)
-    clip = Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
-    encoded = Answerer(bundle).encode(clip)
+    encoded = Answerer(bundle).encode(simulate_touch(Touch(twist_deg=12.0)).clip)
     assert set(encoded.prefix.slots) == set(SLOTS)
     assert isinstance(bundle.speaker.sentence(encoded.prefix, "Which way?", "way all", ""), str)
     written = {path.name for path in (finished / "bundle" / "language").iterdir()}
