@@ -46,7 +46,7 @@ from geotlm_lm.query.moving import (
 )
 from geotlm_lm.query.program import Case, Expression, Program, of
 from geotlm_lm.query.truths import trait
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.types import ATOM_OF, WAY_ATOMS
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -237,7 +237,7 @@ def _both_ways(measure: Expression, motion: Moved | None, context: Context) -> I
     (atom,) = measure.arguments if measure.word in ("amount", "net") else ("",)
     if motion is not None and atom in p.WAYS and comes_back(context, atom):
         back = opposite(WAY_ATOMS[atom])
-        for way in (atom, next(word for word, each in WAY_ATOMS.items() if each is back)):
+        for way in (atom, ATOM_OF[back]):
             numbers = evaluate(of("path", way), context)
             yield spread(numbers, np.ones(COUNT, bool), context)[0]
 

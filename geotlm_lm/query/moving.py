@@ -31,7 +31,7 @@ from geotlm_lm.query.evaluate import (
 from geotlm_lm.query.measures import measured, net
 from geotlm_lm.query.program import UNITS, of
 from geotlm_lm.query.truths import trait
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.types import ATOM_OF
 from geotlm_lm.query.values import (
     Moved,
     Movement,
@@ -41,9 +41,6 @@ from geotlm_lm.query.worlds import COUNT, KINDS, Happening, way_of
 
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
-
-
-_WORDS = {way: word for word, way in WAY_ATOMS.items()}
 
 
 def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tuple[Measure, float]:
@@ -137,7 +134,7 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     # How far it goes each way on the mean; of two ways the rarer does not cancel the other.
     along = {way: float(np.maximum(twist[moves] @ _axis(way), 0).mean()) for way in WAYS[component]}
     way = max(along, key=along.__getitem__)
-    goes = {each: np.broadcast_to(trait(context, _WORDS[each]), (COUNT,)) > 0 for each in along}
+    goes = {each: np.broadcast_to(trait(context, ATOM_OF[each]), (COUNT,)) > 0 for each in along}
     aslant = _aslant(goes, way) if component is Component.SLIDE else None
     right = moves & (goes[way] if aslant is None else goes[way] | goes[aslant])
     path = float(np.median(_paths(context, component, twist)[moves]))
@@ -154,7 +151,7 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
 
 
 def _axis(way: Motion) -> Floats:
-    return np.array(WAY[_WORDS[way]][1], dtype=float)
+    return np.array(WAY[ATOM_OF[way]][1], dtype=float)
 
 
 def _aslant(goes: dict[Motion, NDArray[np.bool_]], way: Motion) -> Motion | None:

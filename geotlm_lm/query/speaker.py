@@ -7,7 +7,6 @@ tells, everything else is the model's.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,8 +18,6 @@ from geotlm_lm.language.size import SLOTS
 from geotlm_lm.query.reader import MOST_SAID
 from geotlm_lm.query.spelling import READ, SAY, SLOT_TOKENS, Spelling
 from geotlm_lm.query.words import END
-
-_NUMBER = re.compile(r"\d+(?:\.\d+)?")
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +90,7 @@ class Speaker:
             if written[-1] == self.spelling.id_of[END]:
                 break
             hidden = self.decoder.read(self.decoder.embeddings[written[-1:]], cache)
-        return self.spelling.sentence_of(written, _NUMBER.findall(value))
+        return self.spelling.sentence_of(written, self.spelling.numbers_of(value))
 
     def _asked(self, question: str, line: str) -> list[int]:
         return self.spelling.question(question).ids + self.spelling.query(line.split())

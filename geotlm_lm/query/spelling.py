@@ -124,6 +124,11 @@ class Spelling:
                 text += numbers[place] if place < len(numbers) else "?"
         return text
 
+    @staticmethod
+    def numbers_of(text: str) -> list[str]:
+        """Return the numbers of an answer, which its value gives to the sentence."""
+        return _NUMBER.findall(text)
+
     def text(self, text: str) -> list[int]:
         """Return the byte pairs of a text without numbers."""
         cleaned = cleaned_text(text)

@@ -18,6 +18,8 @@ WAY_ATOMS = {
 }
 """Words of programs for ways, and the motions that they are."""
 
+ATOM_OF = {way: atom for atom, way in WAY_ATOMS.items()}
+
 UNITS = {
     "angle": ("deg", "rad", "mrad", "gon", "turn", "arcmin"),
     "length": ("px", "mm", "cm", "m", "um", "inch", "thou"),

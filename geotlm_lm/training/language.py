@@ -39,7 +39,6 @@ from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language_rows import (
     POOL,
     SLOT,
-    UNASKED,
     Answers,
     Batch,
     Questions,
@@ -51,6 +50,7 @@ from geotlm_lm.training.language_rows import (
 )
 from geotlm_lm.training.muon import Muon, orthogonal_groups
 from geotlm_lm.training.ranks import ALONE, Ranks
+from geotlm_lm.training.truth import UNASKED
 
 if TYPE_CHECKING:
     from geotlm_lm.training.sentences import Sentences

@@ -28,6 +28,7 @@ from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS
 from geotlm_lm.query.spelling import SAY, SLOT_TOKENS, Spelling
 from geotlm_lm.query.thesaurus import thesaurus
+from geotlm_lm.training.truth import UNASKED
 
 if TYPE_CHECKING:
     from geotlm_lm.training.sentences import Sentences
@@ -44,8 +45,6 @@ usual 0.15 better for small models)."""
 
 PAD, QUESTION, PROGRAM, SENTENCE, CLIP, SLOT = range(6)
 """Kinds of positions; what each may see is `sight`'s."""
-
-UNASKED = -1
 
 UNTOLD = 0.2
 """How often an answer that cannot tell is drawn against 1 for the others."""
@@ -276,8 +275,8 @@ class Answers:
         wanted = batch.wanted.clone()
         at = (batch.kind[0] == SLOT).nonzero()[:, 0]
         for place, ids in enumerate(words):
-            felt = self.sentences.words[batch.clip.numpy(), place]
-            asked = [ids[word] if word != UNASKED else UNASKED for word in felt]
+            true_words = self.sentences.words[batch.clip.numpy(), place]
+            asked = [ids[word] if word != UNASKED else UNASKED for word in true_words]
             wanted[:, at[place]] = torch.tensor(asked)
         return batch._replace(wanted=wanted)
 

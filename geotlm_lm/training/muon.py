@@ -48,7 +48,7 @@ class Muon(torch.optim.AdamW):
     @torch.no_grad()
     def step(self, closure: None = None) -> None:
         """Take one step."""
-        orthogonals = [one for one in self.param_groups if one.get("is_orthogonal")]
+        orthogonals = [group for group in self.param_groups if group.get("is_orthogonal")]
         for group in orthogonals:
             alike: dict[tuple[int, ...], list[Tensor]] = {}
             for weight in group["params"]:
@@ -60,8 +60,8 @@ class Muon(torch.optim.AdamW):
 
     def _turn(self, weights: list[Tensor], group: dict) -> None:
         """Take a step of matrices of one shape, all at once: on a GPU few calls are fast ones."""
-        momenta = [self._momentum(one) for one in weights]
-        grads = torch.stack([one.grad for one in weights])
+        momenta = [self._momentum(weight) for weight in weights]
+        grads = torch.stack([weight.grad for weight in weights])
         steps = orthogonal(grads.lerp(torch.stack(momenta), MOMENTUM))
         for weight, step in zip(weights, steps, strict=True):
             weight.mul_(1 - group["lr"] * group["weight_decay"])

@@ -140,7 +140,7 @@ def _manual(text: str) -> str:
     text = re.sub(is_set, ".PP", text, flags=re.M | re.S)
     text = re.sub(
         r"^\.(B|I|BR|RB|IR|RI|BI|IB|SM|SB) (.*)$",
-        lambda found: found[2].replace('"', ""),
+        lambda match: match[2].replace('"', ""),
         text,
         flags=re.M,
     )

@@ -26,7 +26,8 @@ from geotlm_lm.simulation.gels import GELS, HELD_OUT_GELS, TRAINING_GELS, Print
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED
 from geotlm_lm.training.geometry import EQUAL_ACCURACY
-from geotlm_lm.training.sentences import UNASKED, felt_words
+from geotlm_lm.training.sentences import felt_words
+from geotlm_lm.training.truth import UNASKED
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +69,10 @@ def felt_likelihoods(
     Slots have different numbers of words: what a slot lacks has likelihood 0. Log-likelihoods are
     (n, words), true words (n,).
     """
-    felt, wanted = _felt(bundle, clips.readings(bundle)), felt_words(clips.labels).numpy()
+    slots, wanted = _felt(bundle, clips.readings(bundle)), felt_words(clips.labels).numpy()
     most = max(map(len, SLOTS.values()))
     rows, truths = [], []
-    for place, likelihoods in enumerate(felt.values()):
+    for place, likelihoods in enumerate(slots.values()):
         asked = wanted[:, place] != UNASKED
         lacking = (0, 0), (0, most - likelihoods.shape[1])
         rows.append(np.pad(likelihoods[asked], lacking, constant_values=-np.inf))
@@ -81,8 +82,8 @@ def felt_likelihoods(
 
 def _felt(bundle: Bundle, readings: Tensor) -> dict[str, NDArray[np.float64]]:
     """Return the log-likelihoods of the words at each slot, (n, words)."""
-    felt = [bundle.speaker.prefix(each).slots for each in readings.detach().numpy()]
-    return {slot: np.array([each[slot] for each in felt], np.float64) for slot in SLOTS}
+    slots = [bundle.speaker.prefix(each).slots for each in readings.detach().numpy()]
+    return {slot: np.array([each[slot] for each in slots], np.float64) for slot in SLOTS}
 
 
 def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> dict[str, float]:
@@ -94,9 +95,9 @@ def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> d
     if is_silent:
         mean = torch.from_numpy(bundle.reader.decoder.projector["mean"])
         readings[:, -BELIEF_NUMBERS:] = mean[-BELIEF_NUMBERS:]
-    felt, wanted = _felt(bundle, readings), felt_words(clips.labels).numpy()
+    slots, wanted = _felt(bundle, readings), felt_words(clips.labels).numpy()
     scores = {}
-    for place, (slot, likelihoods) in enumerate(felt.items()):
+    for place, (slot, likelihoods) in enumerate(slots.items()):
         asked = wanted[:, place] != UNASKED
         scores[slot] = _share((likelihoods.argmax(axis=1) == wanted[:, place])[asked].tolist())
     return scores
@@ -105,7 +106,7 @@ def felt_scores(bundle: Bundle, clips: ClipSet, *, is_silent: bool = False) -> d
 def score_bundle(bundle: Bundle, clips: ClipSet) -> dict[str, Any]:
     """Return accuracies on objects no weight has seen, among the motions of each task."""
     readable = clips.readable()
-    felt = _felt(bundle, clips.readings(bundle))
+    slots = _felt(bundle, clips.readings(bundle))
     scores: dict[str, Any] = {
         "clips": len(clips.labels),
         "unreadable_clips": len(clips.labels) - len(readable),
@@ -114,7 +115,7 @@ def score_bundle(bundle: Bundle, clips: ClipSet) -> dict[str, Any]:
         rows = [row for row in readable if clips.labels[row].motion in motions]
         words = [WAY_ATOMS.get(word) for word in SLOTS[slot]]
         places = [words.index(motion) for motion in motions]
-        named = felt[slot][rows][:, places].argmax(axis=1)
+        named = slots[slot][rows][:, places].argmax(axis=1)
         named = [motions[place] for place in named]
         true = [clips.labels[row].motion for row in rows]
         right = [one is other for one, other in zip(named, true, strict=True)]
@@ -131,8 +132,8 @@ def score_bundle(bundle: Bundle, clips: ClipSet) -> dict[str, Any]:
 def _probe_accuracy(
     probe: LinearProbe, tokens: Tensor, clips: ClipSet, rows: list[int], motions: tuple[Motion, ...]
 ) -> float:
-    said = probe.predict(tokens[rows], motions)
-    return _share([one == clips.labels[row].motion for one, row in zip(said, rows, strict=True)])
+    named = probe.predict(tokens[rows], motions)
+    return _share([one == clips.labels[row].motion for one, row in zip(named, rows, strict=True)])
 
 
 def _share(hits: Sequence[bool]) -> float:

@@ -40,14 +40,14 @@ from geotlm_lm.query.grammar import Pair, corpus, grammar
 from geotlm_lm.query.lines import read
 from geotlm_lm.query.program import MOST_SLOTS, Program, filled, is_void
 from geotlm_lm.query.quantities import find
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.types import ATOM_OF
 from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.training.config import VALIDATION_EVERY, claim_folder
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.recording_forms import RecordedForm
 from geotlm_lm.training.true_answers import TrueAnswers, tells
-from geotlm_lm.training.truth import component_truth
+from geotlm_lm.training.truth import UNASKED, component_truth
 
 PART_CLIPS = 256
 """Clips of a file."""
@@ -57,11 +57,6 @@ UNTOLD_SHARE = 1 / 3
 
 MOST_DRAWN = 2
 """Questions drawn for one that is asked, at most: in place of what is not told others are."""
-
-UNASKED = -1
-"""Stands for a slot of which nothing is asked: ambiguous, or not to be seen."""
-
-ATOM_OF = {way: atom for atom, way in WAY_ATOMS.items()}
 
 NEVER = frozenset({*OF_TWO, *OF_BEFORE, "talk", "not-understood"})
 """Words of programs that ask nothing of one clip by itself."""
@@ -188,14 +183,14 @@ def _part(
         for pair, program in islice(questions, MOST_DRAWN * per_clip):
             if asked == ends_at:
                 break
-            told = worded_values(about, program)
-            is_told = any(map(tells, told.values))
+            answered = worded_values(about, program)
+            is_told = any(map(tells, answered.values))
             if not is_told and untold + 1 > UNTOLD_SHARE * (len(rows) + 1):
                 continue
             asked += 1
-            if not is_told or truth.agree(told, program, CAMERA):
+            if not is_told or truth.agree(answered, program, CAMERA):
                 untold += not is_told
-                rows.append(Row(len(labels), pair.text, pair.query, told.wording.text, is_told))
+                rows.append(Row(len(labels), pair.text, pair.query, answered.wording.text, is_told))
         numbers.append(reading(encoded).half().numpy())
         labels.append(recorded.label)
     words = felt_words(labels).reshape(-1, len(SLOTS)).numpy().astype(np.int8)

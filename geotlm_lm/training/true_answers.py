@@ -54,18 +54,18 @@ class TrueAnswers:
         belief = true_belief(evidence.worlds.belief, label)
         return cls(replace(evidence, worlds=worlds_of_clip(belief)))
 
-    def agree(self, told: Worded, program: Program, frame: FrameSpec) -> bool:
+    def agree(self, answered: Worded, program: Program, frame: FrameSpec) -> bool:
         """Tell whether what a program was told to come to is true.
 
         It is if on the truth the same is told, or what differs is near enough.
         """
         true = answers(program, (self.evidence,), frame)
-        pairs = zip(told.values, true, strict=True)
-        return all(is_true(*pair) or _same_text(told, program.form, *pair) for pair in pairs)
+        pairs = zip(answered.values, true, strict=True)
+        return all(is_true(*pair) or _same_text(answered, program.form, *pair) for pair in pairs)
 
 
-def _same_text(told: Worded, form: str, one: Value, other: Value) -> bool:
-    texts = [worded([each], form, told.teller, told.sure).text for each in (one, other)]
+def _same_text(answered: Worded, form: str, one: Value, other: Value) -> bool:
+    texts = [worded([each], form, answered.teller, answered.sure).text for each in (one, other)]
     return texts[0] == texts[1]
 
 
@@ -100,56 +100,62 @@ def tells(value: Value) -> bool:
     return value.is_known
 
 
-def is_true(told: Value, true: Value) -> bool:
+def is_true(answered: Value, true: Value) -> bool:
     """Tell whether a value is so, given what the same program comes to on the truth.
 
     Amounts are as near as a right answer's, a motion's ways are its own, and so is what is denied;
     that less is told than is so is no lie. What tells that it does not know is true.
     """
-    if not told.is_known:
+    if not answered.is_known:
         return True
-    if type(told) is not type(true):
+    if type(answered) is not type(true):
         return False
-    if isinstance(told, Record) and isinstance(true, Record):
-        return len(told.fields) == len(true.fields) and all(
+    if isinstance(answered, Record) and isinstance(true, Record):
+        return len(answered.fields) == len(true.fields) and all(
             is_true(one, other)
-            for (_, one), (_, other) in zip(told.fields, true.fields, strict=True)
+            for (_, one), (_, other) in zip(answered.fields, true.fields, strict=True)
         )
-    if isinstance(told, Remark) and isinstance(true, Remark):
-        return (told.kind, told.topic) == (true.kind, true.topic)
-    if not _goes(told.moved, true.moved):
+    if isinstance(answered, Remark) and isinstance(true, Remark):
+        return (answered.kind, answered.topic) == (true.kind, true.topic)
+    if not _goes(answered.moved, true.moved):
         return False
-    if any(each.word in OF_BELIEF for each in told.of):
+    if any(each.word in OF_BELIEF for each in answered.of):
         return True
-    if isinstance(told, Amount) and isinstance(true, Amount):
-        return is_near(told.amount, true.amount)
-    if isinstance(told, Truth) and isinstance(true, Truth):
-        pairs = zip(told.amounts, true.amounts, strict=False)
+    if isinstance(answered, Amount) and isinstance(true, Amount):
+        return is_near(answered.amount, true.amount)
+    if isinstance(answered, Truth) and isinstance(true, Truth):
+        pairs = zip(answered.amounts, true.amounts, strict=False)
         if not all(is_near(one.amount, other.amount) for one, other in pairs):
             return False
-    if isinstance(told, Choice) and isinstance(true, Choice) and told.chosen[:1] != true.chosen[:1]:
+    if (
+        isinstance(answered, Choice)
+        and isinstance(true, Choice)
+        and answered.chosen[:1] != true.chosen[:1]
+    ):
         return False
-    if head_of(told.of).word in _PLAIN:
+    if head_of(answered.of).word in _PLAIN:
         return True
-    return decided(told, _TELLER) == decided(true, _TELLER)
+    return decided(answered, _TELLER) == decided(true, _TELLER)
 
 
-def is_near(told: Measure, true: Measure) -> bool:
+def is_near(answered: Measure, true: Measure) -> bool:
     """Tell whether an amount is within its tolerance, or a fifth of the true one."""
-    far = max(told.tolerance, true.tolerance, RELATIVE_TOLERANCE * abs(true.mean) * bool(true.unit))
-    return told.unit == true.unit and abs(told.mean - true.mean) <= far + 1e-9
+    far = max(
+        answered.tolerance, true.tolerance, RELATIVE_TOLERANCE * abs(true.mean) * bool(true.unit)
+    )
+    return answered.unit == true.unit and abs(answered.mean - true.mean) <= far + 1e-9
 
 
-def _goes(told: Moved | None, true: Moved | None) -> bool:
+def _goes(answered: Moved | None, true: Moved | None) -> bool:
     """Tell whether each motion that is told is one, and what is denied is none."""
-    if told is None or true is None:
+    if answered is None or true is None:
         return True
-    if (told.rest, told.still_axis) != (true.rest, true.still_axis):
+    if (answered.rest, answered.still_axis) != (true.rest, true.still_axis):
         return False
-    if not set(told.denied) <= set(true.denied):
+    if not set(answered.denied) <= set(true.denied):
         return False
     own = {move.component: move for move in true.movements}
-    for place, move in enumerate(told.movements):
+    for place, move in enumerate(answered.movements):
         other = own.get(move.component)
         if other is None or other.way is not move.way:
             return False

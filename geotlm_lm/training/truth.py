@@ -14,6 +14,9 @@ from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.simulation.truth import components_of, twist_of
 from geotlm_lm.training.ranks import ALONE, Ranks
 
+UNASKED = -1
+"""Stands for a place, or a slot, of which nothing is asked."""
+
 MOTION_FLOOR_PX = 1.0
 """Displacement below which errors stop counting relative to it: the flow's own noise."""
 

@@ -32,7 +32,6 @@ from geotlm_lm.training.language import (
 from geotlm_lm.training.language_rows import (
     MASKED,
     POOL,
-    UNASKED,
     Questions,
     Row,
     english_row,
@@ -42,6 +41,7 @@ from geotlm_lm.training.language_rows import (
 )
 from geotlm_lm.training.sentences import Row as Answered
 from geotlm_lm.training.sentences import Sentences
+from geotlm_lm.training.truth import UNASKED
 
 SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32)
 CONFIG = LanguageTraining(

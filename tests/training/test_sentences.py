@@ -8,12 +8,12 @@ from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.query.lines import read
 from geotlm_lm.training import sentences
 from geotlm_lm.training.sentences import (
-    UNASKED,
     UNTOLD_SHARE,
     felt_words,
     read_sentences,
     write_sentences,
 )
+from geotlm_lm.training.truth import UNASKED
 
 PER_CLIP = 12
 
