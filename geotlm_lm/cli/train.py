@@ -18,8 +18,8 @@ def train(
     preset: Annotated[
         str,
         typer.Option(
-            help="smoke (minutes, to see it run), default, or full (with a language model like the "
-            "shipped one: ten minutes of a GPU more)."
+            help="smoke (minutes, to see it run), default, or full (with a larger language "
+            "model: twenty minutes of a GPU more)."
         ),
     ] = "default",
     seed: Seed = 0,

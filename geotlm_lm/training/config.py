@@ -101,7 +101,7 @@ FULL = replace(
     question_passes=2,
     language_batch=512,
 )
-"""`default` with a language model like the shipped one, which takes a GPU ten minutes."""
+"""`default` with a larger language model, which takes a GPU twenty minutes."""
 
 SMOKE = replace(
     DEFAULT,
