@@ -32,6 +32,16 @@ def test_the_time_of_a_recording_read_at_a_stride_is_its_own(bundle, tmp_path, m
     assert encoded.track.seconds == pytest.approx(21 / 25)
 
 
+def test_of_four_frames_one_lit_unlike_is_left_out_and_another_stands_for_it(bundle):
+    clip = recording()
+    frames = clip.frames.copy()
+    third = frames.shape[2] // 3
+    frames[3, :, :third] = np.clip(frames[3, :, :third].astype(int) + 100, 0, 250)
+    encoded = Answerer(bundle).encode(replace(clip, frames=frames))
+    assert len(encoded.clip) == 4
+    assert any("no picture of the gel" in note for note in encoded.clip.notes)
+
+
 @pytest.mark.parametrize("question", ["", "   ", "\n\t"])
 def test_an_empty_question_is_refused(bundle, question):
     with pytest.raises(UsageError, match="The question is empty; ask something like"):

@@ -80,6 +80,7 @@ def tiny_decoder(vocabulary, seed=0, width=16, layers=1):
     config = {
         "hidden_size": width,
         "num_hidden_layers": layers,
+        "reading_layers": layers,
         "num_attention_heads": 2,
         "intermediate_size": width,
         "max_position_embeddings": 768,

@@ -45,7 +45,7 @@ def perceive_clip(bundle: Bundle, clip: Clip, scene: SceneReport | None = None) 
     idle, clip = clip.background, require_legible(with_background(_four(clip)))
     if scene is None:
         scene = scene_of(clip, idle)
-        clip = scene.steadied(replace(clip, notes=(*clip.notes, *scene.notes)))
+        clip = _four(scene.steadied(replace(clip, notes=(*clip.notes, *scene.notes))))
     chosen = time.perf_counter()
     change = change_from_idle(clip)
     seen = is_idle_known and change.is_beyond_noise

@@ -32,7 +32,7 @@ from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import facts_phrase, is_plain, restated
 from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Remark, Truth, Unknown, Value
-from geotlm_lm.query.written import decided, worded
+from geotlm_lm.query.written import decided, guessed, worded
 
 PLAIN = 0.5
 """Probability of a reading below which an answer says how the question was taken."""
@@ -89,13 +89,20 @@ class Worded:
         values: Each with what withholds it.
         wording: Of all of them.
         teller: Of the recording, in the frame in which what was stated holds.
-        sure: That all of it is right, the reading included.
+        sure: That all of it but guesses is right, the reading included.
+        guesses: Those of the values that are more likely wrong than right.
     """
 
     values: tuple[Value, ...]
     wording: Wording
     teller: Teller
     sure: float
+    guesses: tuple[Value, ...] = ()
+
+    @property
+    def is_guess(self) -> bool:
+        """Whether nothing of it is more than a guess."""
+        return len(self.guesses) == len(self.values)
 
 
 def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> Worded:
@@ -112,8 +119,12 @@ def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> W
     teller = Teller(recording, frame, asked.named)
     if program.form in TEMPLATES:  # what a program reads holds no guess
         values = tuple(_without_guesses(each, probability) for each in values)
-    sure = probability * min(each.probability for each in values)
-    return Worded(values, worded(values, program.form, teller, sure), teller, sure)
+    guesses = tuple(each for each in values if is_guess(each))
+    is_mixed = len(guesses) < len(values)
+    told = [each for each in values if each not in guesses] if is_mixed else values
+    sure = probability * min(each.probability for each in told)
+    wording = worded(values, program.form, teller, sure, guesses if is_mixed else ())
+    return Worded(values, wording, teller, sure, guesses)
 
 
 def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
@@ -128,14 +139,15 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     )
     is_own = len(asked.clips) == 1 and asked.says(understood.question, understood.written, text)
     is_talk = all(isinstance(each, Remark) for each in values)
-    guess = any(map(is_guess, values))
     if head_of(program.answers[0]).word in ("why", "why-of"):
         text = " ".join([*evidence.reasons, f"Therefore: {text[:1].lower()}{text[1:]}"])
-    text = _framed(text, understood, min(each.probability for each in values) if guess else None)
-    # Below one half, the reading included, nothing is decided, though it is told.
-    is_abstained = guess or sure < LEAST_SURE or any(not each.is_known for each in values)
-    is_abstained |= any(getattr(each, "kind", "") in SILENT for each in values)
+    chance = min(each.probability for each in values) if answer_words.is_guess else None
+    text = _framed(text, understood, chance)
     first = values[0]
+    # Below one half, the reading included, nothing is decided, though it is told. What is asked
+    # besides the first withholds nothing of it.
+    is_abstained = first in answer_words.guesses or sure < LEAST_SURE or not first.is_known
+    is_abstained |= any(getattr(each, "kind", "") in SILENT for each in values)
     encoded = looked_at(first, asked.clips)[-1]
     return replace(
         plain,
@@ -163,7 +175,7 @@ def _framed(text: str, understood: Understood, chance: float | None) -> str:
     if understood.program.form in TEMPLATES:
         return text
     if chance is not None:
-        text = f"I cannot tell for sure, {chance:.0%}: {text[:1].lower()}{text[1:]}"
+        text = guessed(text, chance)
     program = understood.program
     if understood.probability < PLAIN and program.form == "sentence" and not is_plain(program):
         return f"Taken as: {restated(program)}. {text}"

@@ -29,10 +29,17 @@ def train(
     device: Annotated[
         str | None, typer.Option(help="cpu or cuda; cuda where there is one if not given.")
     ] = None,
-    perception: Annotated[
+    start: Annotated[
         Path | None,
-        path_option(help="Bundle whose perception is taken, and language made anew."),
+        path_option(help="Bundle that is taken as it is up to --stage, and made anew from there."),
     ] = None,
+    stage: Annotated[
+        str,
+        typer.Option(
+            help="What is made anew of it: language, or of that only slots (what is felt, and "
+            "sentences) or sentences."
+        ),
+    ] = "language",
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
 
@@ -40,7 +47,9 @@ def train(
 
     Example: geotlm-lm train --preset smoke --out runs/smoke
 
-    Example: geotlm-lm train --preset full --out runs/language --perception geotlm_lm/bundle
+    Example: geotlm-lm train --preset full --out runs/language --start geotlm_lm/bundle
+
+    Example: geotlm-lm train --out runs/said --start geotlm_lm/bundle --stage sentences
 
     Example: torchrun --nproc-per-node 2 -m geotlm_lm train --out runs/default
     """
@@ -55,6 +64,7 @@ def train(
     if is_first_of_launch():
         print(f"training preset {settings.name} into {out}", file=sys.stderr)
     progress = progress_on_stderr("")
-    folder = train_bundle(settings.name, out, seed, workers, progress, device, perception)
+    given = start, stage
+    folder = train_bundle(settings.name, out, seed, workers, progress, device, *given)
     if is_first_of_launch():
         print(folder)

@@ -7,6 +7,7 @@ weights one text at a time; a test holds both to the same logits.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import torch
@@ -16,7 +17,7 @@ from torch.nn.functional import linear, silu
 from transformers import LlamaConfig, LlamaForCausalLM
 
 from geotlm_lm.language.sequence import PROJECTOR_FILE, SequenceDecoder
-from geotlm_lm.language.size import PREFIX, RMS_EPSILON, ROPE_THETA, LanguageSize
+from geotlm_lm.language.size import PREFIX, RMS_EPSILON, ROPE_THETA, LanguageSize, size_of
 
 EMBEDDING_DEVIATION = 0.04
 """Of fresh embeddings, which serve as output weights too: wider only starts at a higher loss."""
@@ -82,13 +83,31 @@ class LanguageModel(nn.Module):
         """Return the embeddings of ids."""
         return self.llama.model.embed_tokens(ids)
 
-    def states(self, embedded: Tensor, mask: Tensor, positions: Tensor) -> Tensor:
-        """Return hidden states (b, s, width).
+    @property
+    def size(self) -> LanguageSize:
+        """How large it is."""
+        return size_of(self.llama.config.to_dict())
+
+    def speaking_parameters(self) -> dict[str, nn.Parameter]:
+        """Return the weights of the layers that speak, by name."""
+        first = self.llama.config.reading_layers
+        layers = self.llama.model.layers
+        return {
+            f"llama.model.layers.{place}.{name}": weight
+            for place in range(first, len(layers))
+            for name, weight in layers[place].named_parameters()
+        }
+
+    def states(
+        self, embedded: Tensor, mask: Tensor, positions: Tensor, is_spoken: bool = False
+    ) -> Tensor:
+        """Return the states (b, s, width) that programs and slots, or sentences, are read from.
 
         Args:
             embedded: Embeddings, (b, s, width).
             mask: True where a position may look, (b, 1, s, s).
             positions: Of each embedding, (b, s).
+            is_spoken: Whether those behind all layers, not behind those that read.
         """
         decoder = self.llama.model
         # On processors torch's kernel for masked attention takes twice as long as its products.
@@ -97,9 +116,18 @@ class LanguageModel(nn.Module):
             decoder.set_attn_implementation(kind)
         if kind == "eager":
             mask = torch.zeros(mask.shape).masked_fill(~mask, UNSEEN)
-        return decoder(
-            inputs_embeds=embedded, attention_mask=mask, position_ids=positions, use_cache=False
-        ).last_hidden_state
+        reading = decoder.config.reading_layers
+        is_early = not is_spoken and reading < decoder.config.num_hidden_layers
+        read = decoder(
+            inputs_embeds=embedded,
+            attention_mask=mask,
+            position_ids=positions,
+            use_cache=False,
+            output_hidden_states=is_early,
+        )
+        if is_early:
+            return decoder.norm(read.hidden_states[reading])
+        return read.last_hidden_state
 
     def logits(self, hidden: Tensor) -> Tensor:
         """Return the logits over all ids; the output weights are the embeddings."""
@@ -125,7 +153,8 @@ def fresh(
         vocab_size=vocabulary,
         hidden_size=size.width,
         intermediate_size=size.mlp,
-        num_hidden_layers=size.layers,
+        num_hidden_layers=size.layers + size.speaking,
+        reading_layers=size.layers,
         num_attention_heads=size.heads,
         num_key_value_heads=size.heads,
         max_position_embeddings=size.max_tokens,
@@ -139,7 +168,7 @@ def fresh(
     )
     with torch.random.fork_rng(devices=[]):  # transformers draws what is drawn again below
         model = LanguageModel(LlamaForCausalLM(config), Projector(*widths, size.width))
-    shrink = (2 * size.layers) ** -0.5
+    shrink = (2 * (size.layers + size.speaking)) ** -0.5
     with torch.no_grad():
         for name, parameter in model.named_parameters():
             if parameter.ndim < 2:
@@ -151,6 +180,21 @@ def fresh(
                 gain = parameter.shape[1] ** -0.5 * (shrink if adds else 1.0)
                 parameter.normal_(0.0, gain, generator=generator)
     return model
+
+
+def with_speaking(model: LanguageModel, layers: int, generator: torch.Generator) -> LanguageModel:
+    """Return a model with so many layers that speak, new ones, above those that read.
+
+    What is read is the same: it is read out below them (early exit, Schuster et al. 2022), and they
+    alone are to learn (layers put on top of a frozen model, Wu et al. 2024).
+    """
+    size = replace(model.size, speaking=layers)
+    made = fresh(size, model.llama.config.vocab_size, model.projector.widths, generator)
+    below = model.state_dict()
+    for name in made.speaking_parameters():
+        below.pop(name, None)
+    made.load_state_dict(below, strict=False)
+    return made
 
 
 def served(model: LanguageModel) -> SequenceDecoder:

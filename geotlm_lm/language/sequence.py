@@ -17,7 +17,15 @@ from numpy.typing import NDArray
 from safetensors.numpy import load_file, save
 
 from geotlm_lm.core.files import replacing, write_text_atomically
-from geotlm_lm.language.size import PREFIX, RMS_EPSILON, ROPE_THETA, SLOTS, TEXT, LanguageSize
+from geotlm_lm.language.size import (
+    PREFIX,
+    RMS_EPSILON,
+    ROPE_THETA,
+    SLOTS,
+    TEXT,
+    LanguageSize,
+    size_of,
+)
 
 Floats = NDArray[np.float32]
 
@@ -79,19 +87,12 @@ class SequenceDecoder:
         projector: Mapping[str, NDArray],
     ) -> None:
         self.config, self.stored, self._projector = dict(config), dict(weights), dict(projector)
-        self.size = size = LanguageSize(
-            width=config["hidden_size"],
-            layers=config["num_hidden_layers"],
-            heads=config["num_attention_heads"],
-            mlp=config["intermediate_size"],
-            max_tokens=config["max_position_embeddings"],
-        )
-        if size.heads < 1 or size.width % (2 * size.heads):
-            raise ValueError(f"a width of {size.width} makes no {size.heads} heads of even width")
+        self.size = size = size_of(config)
         self.projector = {name: _wide(x) for name, x in projector.items()}
         self.embeddings = _wide(weights["model.embed_tokens.weight"])
         self._gain = _wide(weights["model.norm.weight"])
-        self._layers = [_layer(weights, f"model.layers.{k}.", size) for k in range(size.layers)]
+        count = size.layers + size.speaking
+        self._layers = [_layer(weights, f"model.layers.{k}.", size) for k in range(count)]
         half = np.arange(0, size.width // size.heads, 2) / (size.width // size.heads)
         angles = np.arange(size.max_tokens)[:, None] * ROPE_THETA**-half
         angles = np.concatenate([angles, angles], axis=-1)[:, None]
@@ -129,10 +130,10 @@ class SequenceDecoder:
     def started(self, room: int, position: int = TEXT) -> TextCache:
         """Return an empty sequence with room for so many embeddings."""
         width = self.size.width // self.size.heads
-        return TextCache(self.size.layers, self.size.heads, width, room, position)
+        return TextCache(len(self._layers), self.size.heads, width, room, position)
 
     def read(self, x: Floats, cache: TextCache, sight: NDArray[np.bool_] | None = None) -> Floats:
-        """Return the hidden states (s, width) of embeddings (s, width) put behind a sequence.
+        """Return the states (s, width) that programs are read from, of embeddings (s, width).
 
         Args:
             x: Embeddings of the tokens that follow.
@@ -140,19 +141,36 @@ class SequenceDecoder:
             sight: What each of them sees of all there are then, (s, length); None for all up to
                 itself.
         """
-        before, count = cache.length, len(x)
+        return self._through(x, cache, sight, cache.length)[0]
+
+    def speak(self, x: Floats, cache: TextCache, sight: NDArray[np.bool_] | None = None) -> Floats:
+        """Return the states that sentences are read from, as `read` does."""
+        return self._through(x, cache, sight, cache.length, is_spoken=True)[1]
+
+    def _through(
+        self,
+        x: Floats,
+        cache: TextCache,
+        sight: NDArray[np.bool_] | None,
+        before: int,
+        is_spoken: bool = False,
+    ) -> tuple[Floats, Floats]:
+        """Return the states behind the layers that read, and behind those that speak."""
+        count = len(x)
         cache.length = before + count
         hidden = None
         if sight is None and count > 1:
             sight = np.tri(count, before + count, before, dtype=bool)
         if sight is not None and not sight.all():
             hidden = ~sight
-        for place, layer in enumerate(self._layers):
+        read = x
+        for place, layer in enumerate(self._layers[: None if is_spoken else self.size.layers]):
             x = x + self._attended(_normed(x), layer, place, before, cache, hidden)
             wide = _normed(x) @ layer.widen
             gate, up = wide[:, : wide.shape[1] // 2], wide[:, wide.shape[1] // 2 :]
             x = x + (_silu(gate) * up) @ layer.narrow
-        return _normed(x) * self._gain
+            read = x if place < self.size.layers else read
+        return _normed(read) * self._gain, _normed(x) * self._gain
 
     def logits(self, hidden: Floats) -> Floats:
         """Return the logits over the vocabulary; the output weights are the embeddings."""
@@ -167,7 +185,7 @@ class SequenceDecoder:
         """
         embedded = np.concatenate([self._prefix(numbers), self.embeddings[list(slot_ids)]])
         cache = self.started(len(embedded), position=0)
-        states = self.read(embedded, cache, sight_of_clip())
+        states, _ = self._through(embedded, cache, sight_of_clip(), 0, is_spoken=True)
         return cache, self.logits(states[PREFIX:])
 
     def _prefix(self, numbers: Floats) -> Floats:

@@ -89,7 +89,7 @@ class Speaker:
             written.append(int(self.decoder.logits(hidden[-1]).argmax()))
             if written[-1] == self.spelling.id_of[END]:
                 break
-            hidden = self.decoder.read(self.decoder.embeddings[written[-1:]], cache)
+            hidden = self.decoder.speak(self.decoder.embeddings[written[-1:]], cache)
         return self.spelling.sentence_of(written, self.spelling.numbers_of(value))
 
     def _asked(self, question: str, line: str) -> list[int]:
@@ -105,4 +105,4 @@ class Speaker:
         read = asked.index(self.spelling.id_of[READ]) + 1
         sight[: len(asked), :clip] = False  # question and program are blind to the clip
         sight[:read, clip : clip + read] = True
-        return self.decoder.read(self.decoder.embeddings[ids], cache, sight), cache
+        return self.decoder.speak(self.decoder.embeddings[ids], cache, sight), cache

@@ -32,7 +32,13 @@ _AROUND = {"tuple": "()", "brackets": "[]"}
 ONE_WORDS = {Component.TURN: "rotation", Component.SLIDE: "slide", Component.PRESS: "press"}
 
 
-def worded(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0) -> Wording:
+def worded(
+    values: Sequence[Value],
+    form: str,
+    teller: Teller,
+    sure: float = 1.0,
+    guesses: Sequence[Value] = (),
+) -> Wording:
     """Return values in a form of `program.FORMS`; what has no such form is told in full.
 
     Args:
@@ -40,6 +46,7 @@ def worded(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0
         form: Wanted.
         teller: Of the recording.
         sure: Probability of the whole answer, for JSON.
+        guesses: Those of the values of which a sentence says that they are not sure.
     """
     if form == "json":
         return Wording(json.dumps(as_json(values, teller, sure)), teller.named)
@@ -52,9 +59,15 @@ def worded(values: Sequence[Value], form: str, teller: Teller, sure: float = 1.0
         short = shortened(value, form, teller)
         own = replace(teller, named=named)
         wording = own.tell(value) if short is None else Wording(short, named)
-        texts.append(wording.text)
+        is_guess = any(value is each for each in guesses)
+        texts.append(guessed(wording.text, value.probability) if is_guess else wording.text)
         named = wording.named
     return Wording(" ".join(texts), named)
+
+
+def guessed(text: str, chance: float) -> str:
+    """Return an answer as the guess that it is."""
+    return f"I cannot tell for sure, {chance:.0%}: {text[:1].lower()}{text[1:]}"
 
 
 def shortened(value: Value, form: str, teller: Teller) -> str | None:

@@ -40,10 +40,11 @@ class HeadsPreset:
     head_clips: int
     validation_clips: int
     geometry_epochs: int
-    # Clips that answers are written about, and steps in which the language model learns to tell
-    # them, of so many questions and answers each.
+    # Clips that answers are written about, and steps in which the language model learns what is
+    # felt in them, and to tell the answers.
     answer_clips: int
-    answers_steps: int
+    slots_steps: int
+    sentences_steps: int
     language_batch: int
 
 
@@ -78,7 +79,8 @@ DEFAULT = TrainingPreset(
     reading_steps=7_000,
     question_passes=1,
     answer_clips=4_096,
-    answers_steps=1_000,
+    slots_steps=2_000,
+    sentences_steps=1_500,
     pretraining_clips=32_000,
     head_clips=16_000,
     validation_clips=2_000,
@@ -110,7 +112,8 @@ SMOKE = replace(
     reading_steps=20,
     question_passes=1,
     answer_clips=24,
-    answers_steps=10,
+    slots_steps=10,
+    sentences_steps=10,
     pretraining_clips=400,
     head_clips=300,
     validation_clips=100,
@@ -130,7 +133,8 @@ HEADS_DEFAULT = HeadsPreset(
     validation_clips=500,
     geometry_epochs=30,
     answer_clips=2_048,
-    answers_steps=600,
+    slots_steps=1_000,
+    sentences_steps=600,
     language_batch=64,
 )
 
@@ -140,7 +144,8 @@ HEADS_SMOKE = HeadsPreset(
     validation_clips=40,
     geometry_epochs=3,
     answer_clips=24,
-    answers_steps=10,
+    slots_steps=10,
+    sentences_steps=10,
     language_batch=32,
 )
 

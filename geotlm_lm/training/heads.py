@@ -95,7 +95,8 @@ def language_of(
     config = LanguageTraining(
         english_steps=0,
         reading_steps=0,
-        answers_steps=settings.answers_steps,
+        slots_steps=settings.slots_steps,
+        sentences_steps=settings.sentences_steps,
         batch=settings.language_batch,
         answers=settings.language_batch,
         seed=seed,

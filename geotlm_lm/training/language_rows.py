@@ -93,7 +93,7 @@ def laid(rows: Sequence[Row], slot_ids: Sequence[int] = ()) -> Batch:
         # A program's words follow from the question, a sentence's from its beginning.
         asked = [UNASKED] * len(row.question) + row.program
         asked += [UNASKED] * bool(row.sentence) + row.sentence[1:]
-        asked = [*asked[1:], UNASKED]
+        asked = [*asked, UNASKED][1:]
         if before:
             text = [0] * PREFIX + list(slot_ids) + text
             kind = [CLIP] * PREFIX + [SLOT] * len(SLOTS) + kind
@@ -253,7 +253,7 @@ def english_row(spelling: Spelling, text: str, rng: random.Random) -> Row:
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Draws answers about clips, and what is felt in them."""
+    """Draws answers about clips."""
 
     sentences: Sentences
     spelling: Spelling
@@ -264,21 +264,9 @@ class Answers:
         rows = list(filter(None, map(self._row, drawn)))
         rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
         ends = [place * len(rows) // POOL for place in range(POOL + 1)]
-        parts = [self._batch(rows[start:end]) for start, end in pairwise(ends)]
-        return [parts[place] for place in rng.permutation(POOL)]
-
-    def _batch(self, rows: list[Row]) -> Batch:
-        """Return rows side by side, the slots' words asked as well."""
         slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
-        batch = laid(rows, slots)
-        words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
-        wanted = batch.wanted.clone()
-        at = (batch.kind[0] == SLOT).nonzero()[:, 0]
-        for place, ids in enumerate(words):
-            true_words = self.sentences.words[batch.clip.numpy(), place]
-            asked = [ids[word] if word != UNASKED else UNASKED for word in true_words]
-            wanted[:, at[place]] = torch.tensor(asked)
-        return batch._replace(wanted=wanted)
+        parts = [laid(rows[start:end], slots) for start, end in pairwise(ends)]
+        return [parts[place] for place in rng.permutation(POOL)]
 
     @cached_property
     def _shares(self) -> NDArray[np.float64]:
@@ -293,6 +281,31 @@ class Answers:
             return None
         question = self.spelling.question(row.text).ids
         return Row(question, self.spelling.query(row.query.split()), sentence, row.clip)
+
+
+@dataclass(frozen=True, eq=False)
+class Clips:
+    """Draws clips, of which the words at their slots are asked."""
+
+    sentences: Sentences
+    spelling: Spelling
+
+    def pool(self, rng: np.random.Generator, count: int) -> list[Batch]:
+        """Return the clips of `POOL` steps, `count` each."""
+        drawn = rng.choice(len(self.sentences.numbers), size=(POOL, count))
+        slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
+        return [self._asked(laid([Row([], clip=clip) for clip in row], slots)) for row in drawn]
+
+    def _asked(self, batch: Batch) -> Batch:
+        """Return a batch with the slots' words asked."""
+        words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
+        wanted = batch.wanted.clone()
+        at = (batch.kind[0] == SLOT).nonzero()[:, 0]
+        for place, ids in enumerate(words):
+            true_words = self.sentences.words[batch.clip.numpy(), place]
+            asked = [ids[word] if word != UNASKED else UNASKED for word in true_words]
+            wanted[:, at[place]] = torch.tensor(asked)
+        return batch._replace(wanted=wanted)
 
 
 def steps_from(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,8 @@ import torch
 
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.vit import ENCODE_BATCH, FrozenBackbone
-from geotlm_lm.checkpoint import Bundle, Calibration, load_bundle, save_bundle
+from geotlm_lm.checkpoint import LANGUAGE_DIR, Bundle, Calibration, load_bundle, save_bundle
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
@@ -67,6 +68,9 @@ from geotlm_lm.training.scoring import (
 )
 from geotlm_lm.training.sentences import read_sentences, write_sentences
 
+STARTS = ("language", "slots", "sentences")
+"""Stages before which a bundle may be taken as it is."""
+
 PER_CLIP = 16
 """Questions asked about each clip that answers are written about."""
 
@@ -78,11 +82,12 @@ def train(
     workers: int,
     progress: Progress = silent,
     device: str | None = None,
-    perception: Path | None = None,
+    start: Path | None = None,
+    stage: str = "language",
 ) -> Path:
     """Train the bundle of `preset` and return its folder, `out`/bundle.
 
-    What sees may be taken from a bundle's folder; its language model is made anew.
+    What comes before `stage`, one of `STARTS`, may be taken from a bundle's folder.
 
     Of several processes that torchrun started, all take the steps of backbone and language model;
     the first one does what is left, writes and reports, and the others wait.
@@ -92,27 +97,29 @@ def train(
     same perception. The device is cpu or cuda, None for cuda where there is one.
 
     Raises:
-        IncompatibleBundle: If there is no such perception.
-        UsageError: If the preset or device is unknown, a batch does not divide among the processes
-            or the folder holds another run.
+        IncompatibleBundle: If there is no such bundle.
+        UsageError: If the preset, stage or device is unknown, a batch does not divide among the
+            processes or the folder holds another run.
         MissingDependency: If there are too few GPUs.
     """
     settings = preset_named(preset)
     # Before hours of simulation: a folder that holds none is refused.
-    given = None if perception is None else load_bundle(perception)
+    if stage not in STARTS:
+        raise UsageError(f"There is no stage '{stage}'; choose one of {', '.join(STARTS)}.")
+    given = None if start is None else load_bundle(start)
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
     with joined(device) as ranks:
         ranks.refuse_uneven(settings.pretraining_batch, settings.language_batch)
-        about = about_examples(settings, seed) | {"perception": given and given.digest()}
+        about = about_examples(settings, seed) | {"start": given and given.digest(), "stage": stage}
         ranks.from_first(lambda: claim_folder(out, about))
         progress = progress if ranks.is_first else silent
         run = _Run(settings, seed, out, workers, ranks, progress)
         with clock(out) if ranks.is_first else nullcontext(lambda: 0.0) as seconds:
             seen = run.perception() if given is None else run.taken(given)
-            run.language(seen)
+            run.language(seen, start, stage)
             if ranks.is_first:
-                about = _provenance(settings, seed, workers, ranks, perception)
+                about = _provenance(settings, seed, workers, ranks, start, stage)
                 reader = calibrated_reader(Reader.load(out / "language"), labelled(TUNE))
                 save_bundle(out / "bundle", seen.bundle(reader, about))
                 _score(out / "bundle", run.examples, seconds, progress)
@@ -164,8 +171,8 @@ class _Run:
         validation = perceive(model, self.examples("validation"), self.progress)
         return Seen(model, bundle.motion, accuracies, validation)
 
-    def language(self, seen: Seen | None) -> None:
-        """Train the language model into `out`/language."""
+    def language(self, seen: Seen | None, start: Path | None, stage: str) -> None:
+        """Train the language model into `out`/language, from `stage` on if there is a `start`."""
         settings, out = self.settings, self.out
         width = self.ranks.from_first(lambda: seen.model.backbone.width)
 
@@ -182,23 +189,27 @@ class _Run:
             )
 
         self.ranks.from_first(written)
-        texts = self.ranks.from_first(lambda: english.fetch(out / "english", self.progress))
         config = LanguageTraining(
             english_steps=settings.english_steps,
             reading_steps=settings.reading_steps,
-            answers_steps=settings.answers_steps,
+            slots_steps=settings.slots_steps,
+            sentences_steps=settings.sentences_steps,
             batch=settings.language_batch,
             english=settings.language_batch,
             answers=settings.language_batch // 2,
             passes=settings.question_passes,
             seed=self.seed,
         )
-        taught = Taught(
-            corpus("train"),
-            english.passages(texts),
-            read_sentences(out / "sentences"),
-            (width, BELIEF_NUMBERS),
-        )
+        widths, passages = (width, BELIEF_NUMBERS), []
+        if start is None or stage == "language":
+            start = None
+            texts = self.ranks.from_first(lambda: english.fetch(out / "english", self.progress))
+            passages = english.passages(texts)
+        else:
+            kept = ("english_steps", "reading_steps", "slots_steps")[: 1 + STARTS.index(stage)]
+            config, start = replace(config, **dict.fromkeys(kept, 0)), start / LANGUAGE_DIR
+        sentences = read_sentences(out / "sentences")
+        taught = Taught(corpus("train"), passages, sentences, widths, start)
         # On a CPU processes that draw would only wait for each other.
         drawing = 0 if self.ranks.kind == "cpu" else self.workers
         train_language(config, taught, out, self.progress, self.ranks, drawing)
@@ -239,13 +250,18 @@ def _gel_scores(
 
 
 def _provenance(
-    settings: TrainingPreset, seed: int, workers: int, ranks: Ranks, perception: Path | None
+    settings: TrainingPreset,
+    seed: int,
+    workers: int,
+    ranks: Ranks,
+    start: Path | None,
+    stage: str,
 ) -> dict[str, Any]:
     """Return how to get a bundle again, for the bundle itself."""
     launch = f"torchrun --nproc-per-node {ranks.count} -m geotlm_lm"
     program = "geotlm-lm" if ranks.count == 1 else launch
     command = f"{program} train --preset {settings.name} --seed {seed} --workers {workers}"
-    command += "" if perception is None else f" --perception {perception.name}"
+    command += "" if start is None else f" --start {start.name} --stage {stage}"
     return {
         "command": f"{command} --out RUN_FOLDER",
         "preset": asdict(settings),

@@ -120,7 +120,8 @@ TINY = HeadsPreset(
     validation_clips=8,
     geometry_epochs=1,
     answer_clips=3,
-    answers_steps=2,
+    slots_steps=2,
+    sentences_steps=2,
     language_batch=4,
 )
 

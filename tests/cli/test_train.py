@@ -13,8 +13,8 @@ from tests.cli.running import run
 def calls(monkeypatch):
     made = []
 
-    def train(preset, out, seed, workers, progress, device, perception):
-        made.append((preset, out, seed, workers, device, perception))
+    def train(preset, out, seed, workers, progress, device, start, stage):
+        made.append((preset, out, seed, workers, device, start, stage))
         return out / "bundle"
 
     module = ModuleType("geotlm_lm.training.train")
@@ -25,7 +25,7 @@ def calls(monkeypatch):
 
 def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
     options = ("--preset", "smoke", "--out", "runs/a", "--seed", 3, "--workers", 1)
-    options += ("--perception", "runs/b")
+    options += ("--start", "runs/b", "--stage", "slots")
     assert run(capsys, "train", *options)[:2] == (0, "runs/a/bundle\n")
     assert calls == [("smoke", Path("runs/a"), 3, 1, None, Path("runs/b"))]
 

@@ -2,13 +2,14 @@
 
 import json
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import pytest
 import torch
 from transformers import LlamaForCausalLM
 
-from geotlm_lm.language.decoder import fresh, served, stored
+from geotlm_lm.language.decoder import fresh, served, stored, with_speaking
 from geotlm_lm.language.sequence import log_softmax
 from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
@@ -17,7 +18,7 @@ from geotlm_lm.query.speaker import Speaker
 from geotlm_lm.query.spelling import SLOT_TOKENS, Spelling
 from geotlm_lm.training.language_rows import Row, laid, positions, sight
 
-SIZE = LanguageSize(width=32, layers=2, heads=2, mlp=48)
+SIZE = LanguageSize(width=32, layers=2, heads=2, mlp=48, speaking=1)
 WIDTHS = 12, 6
 QUESTION, LINE = "Does it turn by more than 12 degrees?", "> amount turn #1"
 SAID = "Yes: it turns clockwise, about 14 degrees."
@@ -58,7 +59,7 @@ def numbers_of(seed):
     return np.random.default_rng(seed).standard_normal(18).astype(np.float32)
 
 
-def states_of(model, spelling, row, numbers=None):
+def states_of(model, spelling, row, numbers=None, is_spoken=False):
     """Hidden states (s, width) of a row as training has it."""
     batch = laid([row], [spelling.id_of[token] for token in SLOT_TOKENS])
     with torch.no_grad():
@@ -66,7 +67,8 @@ def states_of(model, spelling, row, numbers=None):
         if numbers is not None:
             prefix = model.projector(torch.from_numpy(numbers)[None])
             embedded = torch.cat([prefix, embedded[:, PREFIX:]], dim=1)
-        states = model.states(embedded, sight(batch.kind), positions(batch.kind))[0]
+        places = sight(batch.kind), positions(batch.kind)
+        states = model.states(embedded, *places, is_spoken)[0]
     return states[: int((batch.kind[0] > 0).sum())]
 
 
@@ -111,13 +113,16 @@ def test_slots_and_sentences_in_numpy_are_those_of_transformers(model, decoder, 
         among = [spelling.id_of[word] for word in words]
         wanted = logits[place, among].log_softmax(-1)
         np.testing.assert_allclose(felt.slots[slot], wanted, rtol=1e-3, atol=1e-3)
+    asked = [*row.question, *row.program]
+    spoken, _ = speaker._read(felt, asked, row.sentence)
+    wanted = states_of(model, spelling, row, numbers, is_spoken=True)[PREFIX + len(SLOTS) :]
+    np.testing.assert_allclose(spoken, wanted, rtol=1e-3, atol=1e-3)
+    assert not np.allclose(spoken, states[PREFIX + len(SLOTS) :], atol=0.01)
     said = speaker.sentence(felt, QUESTION, LINE, "14")
-    begin = PREFIX + len(SLOTS) + len(row.question) + len(row.program)
     written, longest = row._replace(sentence=row.sentence[:1]), 6
     for _ in range(longest):  # as transformers goes on, word by word
-        state = states_of(model, spelling, written, numbers)[-1]
+        state = states_of(model, spelling, written, numbers, is_spoken=True)[-1]
         written = written._replace(sentence=[*written.sentence, int(model.logits(state).argmax())])
-    assert len(states) > begin
     assert said.startswith(spelling.sentence_of(written.sentence[1:], ["14"]))
 
 
@@ -166,6 +171,14 @@ def test_transformers_reads_the_folder_and_so_does_what_goes_on_from_it(
         numbers = torch.from_numpy(numbers_of(3))[None]
         torch.testing.assert_close(again.projector(numbers), model.projector(numbers))
     assert json.loads((tmp_path / "config.json").read_text())["model_type"] == "llama"
+
+
+def test_layers_that_speak_leave_what_is_read_and_felt_as_it_was(model, spelling, row):
+    grown = with_speaking(model, 3, torch.Generator().manual_seed(5))
+    assert grown.size == replace(SIZE, speaking=3)
+    before, after = (states_of(each, spelling, row, numbers_of(1)) for each in (model, grown))
+    torch.testing.assert_close(after, before, atol=0, rtol=0)
+    assert len(grown.speaking_parameters()) == 3 * 9
 
 
 def test_standardised_training_clips_have_unit_spread(model):

@@ -32,16 +32,17 @@ PRETRAINING = replace(
 LANGUAGE = LanguageTraining(
     english_steps=STEPS,
     reading_steps=STEPS,
-    answers_steps=STEPS,
+    slots_steps=STEPS,
+    sentences_steps=STEPS,
     batch=16,
     english=8,
     answers=8,
     warmup=2,
     dropout=0,  # which byte pairs are left apart no seed governs
     vocabulary=300,
-    size=LanguageSize(width=32, layers=1, heads=2, mlp=32),
+    size=LanguageSize(width=32, layers=1, heads=2, mlp=32, speaking=1),
 )
-STAGES_BEFORE = "language, english", "language, reading"
+STAGES_BEFORE = "language, english", "language, reading", "language, slots"
 """Those that the language model's last stage goes on from."""
 PASSAGES = ["a cap turns about its axis when a hand turns it, and so does a lid of a jar"] * 20
 SAID = "It turns clockwise, about 12 degrees, in the camera image."

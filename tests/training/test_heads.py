@@ -27,7 +27,8 @@ TINY = HeadsPreset(
     validation_clips=6,
     geometry_epochs=2,
     answer_clips=3,
-    answers_steps=2,
+    slots_steps=2,
+    sentences_steps=2,
     language_batch=4,
 )
 WANTED = ExampleSet("check", 2 * BATCH + 3, TRAINING_OBJECTS[:3])

@@ -10,7 +10,7 @@ import torch
 
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.language.decoder import fresh, stored
+from geotlm_lm.language.decoder import stored
 from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.composed import composed
@@ -23,7 +23,6 @@ from geotlm_lm.query.restated import restated
 from geotlm_lm.query.spelling import SAY, Spelling
 from geotlm_lm.training import language
 from geotlm_lm.training.language import (
-    LABEL,
     LanguageTraining,
     Taught,
     train_language,
@@ -43,11 +42,12 @@ from geotlm_lm.training.sentences import Row as Answered
 from geotlm_lm.training.sentences import Sentences
 from geotlm_lm.training.truth import UNASKED
 
-SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32)
+SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32, speaking=1)
 CONFIG = LanguageTraining(
     english_steps=2,
     reading_steps=3,
-    answers_steps=2,
+    slots_steps=2,
+    sentences_steps=2,
     batch=8,
     english=4,
     answers=4,
@@ -103,15 +103,15 @@ def test_one_seed_gives_the_same_weights_also_after_an_interruption_in_any_stage
     def interrupted(what, step, _):
         stage = what.split(",")[1].strip()
         shown.append((stage, step))
-        if (stage, step) in (("english", 1), ("reading", 2), ("answers", 1)):
+        if (stage, step) in (("english", 1), ("reading", 2), ("slots", 1), ("sentences", 1)):
             raise KeyboardInterrupt
 
     straight = trained(taught, tmp_path / "straight")
-    for _ in range(3):
+    for _ in range(4):
         with pytest.raises(KeyboardInterrupt):
             trained(taught, tmp_path / "broken", progress=interrupted)
     resumed = trained(taught, tmp_path / "broken", progress=interrupted)
-    steps = [("english", 2), ("reading", 3), ("answers", 2)]
+    steps = [("english", 2), ("reading", 3), ("slots", 2), ("sentences", 2)]
     assert shown == [(stage, step) for stage, of in steps for step in range(1, of + 1)]
     assert all(torch.equal(resumed[name], value) for name, value in straight.items())
     other = trained(taught, tmp_path / "other", replace(CONFIG, seed=1))
@@ -141,7 +141,7 @@ def test_a_model_goes_on_from_another_with_the_words_that_both_have(taught, tmp_
     words = tuple(word for word in Reader.load(before).spelling.words if word != "way")
     monkeypatch.setattr(language, "WORDS", (*words, "way", "new-word"))
     monkeypatch.setattr("geotlm_lm.query.spelling.WORDS", (*words, "way", "new-word"))
-    still = replace(CONFIG, english_steps=0, reading_steps=0, answers_steps=0)
+    still = replace(CONFIG, english_steps=0, reading_steps=0, slots_steps=0, sentences_steps=0)
     on = replace(taught, start=before)
     after = train_language(still, on, tmp_path / "after")
     one, other = Reader.load(before), Reader.load(after)
@@ -221,16 +221,25 @@ def test_programs_composed_at_random_say_in_words_what_they_mean():
         assert restated(filled(program, numbers)) in pair.text
 
 
-def test_the_weights_before_teach_what_they_make_of_a_question(spelling):
-    one, other = (
-        fresh(SIZE, spelling.size, (12, 6), torch.Generator().manual_seed(seed)) for seed in (0, 1)
-    )
-    batch = laid([Row([5, 6, 7], [20, 21])])
-    given = batch, torch.zeros_like(batch.ids, dtype=torch.bool), None, "cpu"
+def test_what_a_question_means_and_what_is_felt_outlast_learning_to_speak(taught, tmp_path):
+    until = {"reading": 0, "slots": 0, "sentences": 0}
+    kept = {}
+    for name in until:
+        until[name] = 2
+        steps = {f"{stage}_steps": count for stage, count in until.items()}
+        folder = train_language(replace(CONFIG, **steps), taught, tmp_path / name)
+        kept[name] = Reader.load(folder).decoder
 
-    def cost(model, before=None):
-        return float(language._loss(model, *given, before).detach())
+    def differ(one, other):
+        first, second = kept[one].stored, kept[other].stored
+        return {name for name in first if not np.array_equal(first[name], second[name])}
 
-    assert cost(one, one) < cost(other, one)
-    entropy = cost(one, one) * (1 + LABEL) - LABEL * cost(one)
-    assert 0 < entropy <= 3 * np.log(spelling.size)  # of two words and the end at most
+    assert differ("reading", "slots") == {"model.embed_tokens.weight"}
+    changed = kept["reading"].embeddings != kept["slots"].embeddings
+    slots = changed.any(axis=1).nonzero()[0]
+    assert len(slots) == len(SLOTS)
+    above = differ("slots", "sentences")
+    assert above
+    assert all(name.startswith("model.layers.1.") for name in above)
+    one, other = kept["slots"].projector, kept["sentences"].projector
+    assert all(np.array_equal(value, other[name]) for name, value in one.items())

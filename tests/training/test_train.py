@@ -40,7 +40,8 @@ TINY = replace(
     geometry_epochs=2,
     english_steps=2,
     reading_steps=2,
-    answers_steps=2,
+    slots_steps=2,
+    sentences_steps=2,
     answer_clips=3,
     language_batch=4,
 )
@@ -149,11 +150,11 @@ def test_an_interrupted_run_is_continued_to_the_same_bytes(finished, tmp_path, m
 def test_perception_is_taken_from_a_bundle_as_it_is(finished, tmp_path, monkeypatch):
     for name in ("pretrain", "train_geometry", "train_motion"):
         monkeypatch.delattr(train, name)
-    train.train("tiny", tmp_path, seed=3, workers=1, perception=finished / "bundle")
+    train.train("tiny", tmp_path, seed=3, workers=1, start=finished / "bundle")
     before, after = (folder / "bundle" for folder in (finished, tmp_path))
     name = "perception.safetensors"
     assert (after / name).read_bytes() == (before / name).read_bytes()
-    assert "--perception bundle" in load_bundle(after).provenance["command"]
+    assert "--start bundle --stage language" in load_bundle(after).provenance["command"]
 
 
 def test_another_seed_in_the_same_folder_is_refused(finished):
