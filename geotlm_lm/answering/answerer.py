@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
 from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
 from geotlm_lm.answering.asked import Asked
 from geotlm_lm.answering.belief_of_clip import belief_of, prefix_of
 from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.monitor import Condition, Monitor, condition_of
 from geotlm_lm.answering.perceiving import (
     perceive_clip,
     perceive_recording,
@@ -34,6 +36,7 @@ from geotlm_lm.language.size import SLOTS
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.recordings.scene_checks import scene_of
+from geotlm_lm.recordings.streams import open_source
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
 
@@ -119,6 +122,50 @@ class Answerer:
                 touches, as of a camera.
         """
         return tracker_of(self.bundle, recording)
+
+    def condition(
+        self, text: str, *, frame: FrameSpec = CAMERA, is_negated: bool = False
+    ) -> Condition:
+        """Return a condition as it is understood, before anything is seen.
+
+        Args:
+            text: Such as "it has turned 30 degrees clockwise".
+            frame: In which directions are meant.
+            is_negated: Whether its contrary is waited for.
+
+        Raises:
+            UsageError: If it is not surely understood, is no yes or no, or could never be told.
+        """
+        require_frame(frame)
+        return condition_of(self.bundle, text, frame, is_negated=is_negated)
+
+    def monitor(
+        self,
+        source: str | Path | None,
+        condition: str | Condition,
+        *,
+        frame: FrameSpec = CAMERA,
+        **options: Any,
+    ) -> Monitor:
+        """Return what watches a camera or a recording for a condition.
+
+        Iterated, it yields the `Verdict`s at which the condition begins to hold; without a source
+        frames are pushed: `monitor.push(frame, time_s, own_motion)`.
+
+        Args:
+            source: A camera's number, a device file or a recording; None to push frames.
+            condition: In words, or as of `condition`.
+            frame: In which directions are meant.
+            options: As of `Monitor`: `sure`, `lasting_s`, `whose`, `since`, `fps`.
+
+        Raises:
+            UsageError: If the condition is refused, or an option is outside its range.
+            MissingDependency, Stalled, UnreadableClip: As of `open_source`.
+        """
+        if not isinstance(condition, Condition):
+            condition = self.condition(condition, frame=frame)
+        stream = None if source is None else open_source(str(source))
+        return Monitor(self.tracker(), condition, stream, **options)
 
     def believing(self, encoded: Encoded) -> Encoded:
         """Return a clip with what makes its belief, and what shows it to the language model.

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from geotlm_lm.cli.conditions import Conditions, Waiting
 from geotlm_lm.cli.grouped import Answering, Pixels, Positional, TrackOutputs, grouped
 from geotlm_lm.cli.options import path_of
 from geotlm_lm.cli.track import (
@@ -58,11 +59,12 @@ def watch(
         bool,
         typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
     ] = False,
+    conditions: Conditions,
     pixels: Pixels,
     stalled_after: Annotated[
         float,
         typer.Option(
-            help="Seconds without a frame of a camera after which it ends, with exit code 8."
+            help="Seconds without a frame of a camera after which it ends, with exit code 10."
         ),
     ] = 10.0,
     answering: Answering,
@@ -74,8 +76,15 @@ def watch(
     The gel must be untouched at the start, or for half a second later on. Directions are told as
     seen in the camera image, for the object relative to the sensor.
 
+    With --until, --while or --every it waits for a condition in words, and tells when it holds, how
+    sure that is and what it rests on. Exit codes: 0 it holds, 8 the time is out, 9 the recording
+    ended before, 10 the camera is lost.
+
     Example: geotlm-lm watch recording.avi --json
+
+    Example: geotlm-lm watch 0 --until "it slips by more than 0.5 mm" --mm-per-px 0.06
     """
+    conditions.require()
     if question is not None:
         check_question(question)
     outputs.require([path_of(source)])
@@ -90,26 +99,32 @@ def watch(
         print(f"note: No frame of {source} for {seconds:g} s.", file=sys.stderr, flush=True)
 
     scale, patience = answering.frame.mm_per_px, Patience(stalled_after, silent)
+    waiting = None
+    if conditions.is_any:  # what is not understood is refused before a camera opens
+        waiting = conditions.monitors(answering.load(), answering.frame)
     stream = open_source(source, at_its_rate=at_its_rate, patience=patience, **vars(pixels))
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
     from geotlm_lm.track.export import Exported
 
-    answerer = answering.load()
+    answerer = answering.load() if waiting is None else waiting.answerer
     assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
     rate = f"{source} at {stream.fps:g} frames per second{assumed}."
-    for note in (rate, *stream.notes):
+    for note in (rate, *stream.notes, *(() if waiting is None else waiting.notes())):
         print(f"note: {note}", file=sys.stderr)
-    watching = Watching(answerer, stream, question, scale, as_json=as_json)
+    watching = Watching(answerer, stream, question, scale, as_json=as_json, waiting=waiting)
     ended = watching.follow(outputs.video, is_square=bool(pixels.square_pixels))
     exported = Exported(watching.tracker.finish(), scale)
-    watching.conclude(exported)
+    if waiting is None or as_json:
+        watching.conclude(exported)
     if len(exported.track):
         write_table_and_plot(outputs, exported, stream.name, stream.fps, in_frames=False)
     if isinstance(ended, GeoTLMError):
         raise ended
     if ended is not None:
         raise typer.Exit(INTERRUPTED)
+    if waiting is not None:
+        waiting.require_met()
 
 
 class Watching:
@@ -126,12 +141,14 @@ class Watching:
         mm_per_px: float | None,
         *,
         as_json: bool,
+        waiting: Waiting | None = None,
     ) -> None:
         from geotlm_lm.recordings.streams import StuckPicture
 
         self._answerer, self._stream, self._question = answerer, stream, question
         self._mm_per_px, self._as_json = mm_per_px, as_json
-        self.tracker = answerer.tracker()
+        self._waiting = waiting
+        self.tracker = answerer.tracker() if waiting is None else waiting.tracker
         self._recent: deque[tuple[StreamFrame, Frames]] = deque(maxlen=KEPT_FRAMES)
         self._printed: list[Event] = []
         self._shown: list[Event] = []
@@ -161,7 +178,12 @@ class Watching:
                         events = self._take(image, frame)
                         if write is not None:
                             self._film(image, frame.time_s, events, units, write)
-                    self._print(events, units)
+                    if self._waiting is None or self._as_json:
+                        self._print(events, units)
+                    if self._waiting is not None and self._waiting.look(
+                        frame.time_s, frame.number, as_json=self._as_json
+                    ):
+                        break
             except (KeyboardInterrupt, GeoTLMError) as error:
                 return error
         return None

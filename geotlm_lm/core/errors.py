@@ -71,10 +71,22 @@ class MissingDependency(GeoTLMError):
     exit_code = 7
 
 
+class TimedOut(GeoTLMError):
+    """What was waited for did not hold in time."""
+
+    exit_code = 8
+
+
+class NotReached(GeoTLMError):
+    """A recording ended before what was waited for held."""
+
+    exit_code = 9
+
+
 class Stalled(GeoTLMError):
     """A camera is there and gives no frames any more."""
 
-    exit_code = 8
+    exit_code = 10
 
 
 class IncompatibleWeights(IncompatibleBundle):

@@ -185,6 +185,15 @@ def _likely(events: Events) -> Iterator[tuple[Happening, bool]]:
     return zip(events.happenings, events.is_so.mean(axis=1) >= 0.5, strict=True)
 
 
+def chance_of(expression: Expression, context: Context) -> float:
+    """Return how probable it is that something holds.
+
+    Raises:
+        Untold: If that cannot be told.
+    """
+    return _chance(evaluate(expression, context), context)[0]
+
+
 def _chance(holds: Floats, context: Context) -> tuple[float, float]:
     """Return in which share of the worlds something is so, and in which it can be told."""
     holds = np.broadcast_to(holds, (COUNT,))

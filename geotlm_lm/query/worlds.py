@@ -328,6 +328,56 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
     return Worlds(tuple(happenings), touches, contacts, *ends, unseen, belief, track)
 
 
+def with_own_motion(worlds: Worlds, times_s: Floats, steps: Floats) -> Worlds:
+    """Return the worlds of what an object does itself, of one seen by a sensor that moves.
+
+    Args:
+        worlds: Of the object's motion relative to the sensor.
+        times_s: When frames were taken, rising, (n,).
+        steps: The sensor's own motion since the frame before, as the camera's picture has it: turn,
+            right, down, inward, (n, 4). It carries the object while that is touched.
+    """
+    touched = np.zeros(len(times_s), bool)
+    for begin, end in worlds.contacts:
+        touched |= (times_s > begin) & (times_s <= end)
+    steps = np.where(touched[:, None], steps, 0.0)
+    kinds = {component: kind for kind, component in reversed(KINDS.items())}
+    own = []
+    for component in COMPONENTS:
+        part = COLUMNS[component]
+        for first, last in _one_way(steps[:, part]):
+            lengths = np.linalg.norm(steps[first : last + 1, part], axis=1)
+            twist = np.zeros(4)
+            twist[part] = steps[first : last + 1, part].sum(axis=0)
+            is_lifted = component is Component.PRESS and twist[3] < 0
+            kind = EventKind.RELEASE if is_lifted else kinds[component]
+            times = times_s[max(first - 1, 0) : last + 1]
+            shares = np.concatenate([[0.0], np.cumsum(lengths)])[-len(times) :] / lengths.sum()
+            every = np.ones(COUNT, bool)
+            radius = worlds.belief.radius_px
+            moved = np.tile(twist, (COUNT, 1))
+            own.append(
+                Happening(kind, times[0], times[-1], every, 1.0, moved, times, shares, radius)
+            )
+    return replace(worlds, happenings=tuple(sorted([*worlds.happenings, *own], key=_order)))
+
+
+def _one_way(steps: Floats) -> Iterator[tuple[int, int]]:
+    """Yield the first and last of the steps of each stretch that does not turn back."""
+    first, last, total = None, 0, np.zeros(steps.shape[1])
+    for place, step in enumerate(steps):
+        if not step.any():
+            continue
+        if first is not None and step @ total < 0:
+            yield first, last
+            first = None
+        if first is None:
+            first, total = place, np.zeros(steps.shape[1])
+        last, total = place, total + step
+    if first is not None:
+        yield first, last
+
+
 def _lengthened(
     mean: Floats, systematic: Floats, own: float, noise: Floats, strata: Strata
 ) -> Floats:

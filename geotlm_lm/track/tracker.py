@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from copy import copy, deepcopy
 from dataclasses import astuple, replace
 
 import numpy as np
@@ -52,6 +53,9 @@ less would say that nothing touches."""
 
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
 
+BLOCK_ROWS = 256
+"""Rows for which a copied table has room at first: more than a block of a fast camera."""
+
 _ROW = np.dtype(
     [
         ("numbers", np.int64),
@@ -91,6 +95,12 @@ class Table:
         self.turned_deg = (turned + step_deg, doubted + step_deg * turn_share)
         self._count += 1
         return self._count - 1
+
+    def copied(self) -> Table:
+        """Return the same rows, with room for some more."""
+        other = copy(self)
+        other._rows = np.concatenate([self._rows[: self._count], np.zeros(BLOCK_ROWS, _ROW)])
+        return other
 
     def arrays(self) -> dict[str, NDArray]:
         """Return the columns, as of `Track`."""
@@ -175,6 +185,19 @@ class Tracker:
     def is_contact_known(self) -> bool:
         """Whether the untouched gel is known by now, without which nothing tells contact."""
         return self._is_contact_known and self.idle is not None
+
+    def now(self) -> Track:
+        """Return the track up to the last frame, as if it ended there; nothing is changed.
+
+        The last half second is measured alone: how deep it went is not asked of the model yet.
+        """
+        fork = copy(self)
+        fork._believe, fork._whole = None, None
+        fork._table, fork._finder = self._table.copied(), deepcopy(self._finder)
+        fork._events = [*self._events]
+        fork._settled()
+        fork._events += fork._told(fork._finder.finish())
+        return fork.so_far
 
     def feed(self, frame: Frames, time_s: float, number: int | None = None) -> list[Event]:
         """Take in the next frame and return the events that are over.
