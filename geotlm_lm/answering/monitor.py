@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geotlm_lm.answering.understanding import understand
+from geotlm_lm.answering.understanding import OF_BEFORE, OF_TWO, understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UsageError, check_question
@@ -44,6 +44,9 @@ stays as it is, so that noise does not make it flicker."""
 
 READ = 0.7
 """Least probability of a reading: a condition moves a robot, as facts turn a direction."""
+
+OUT_OF_PLACE = OF_TWO | OF_BEFORE | {"fact", "talk", "cannot", "not-understood"}
+"""Words of programs that begin no condition: a fact beside one is still understood."""
 
 NEEDS = ("scale", "thread", "side", "unit", "pixel", "second", "before", "rate", "share", "place")
 """Reasons for which a condition could never be told, whatever happens."""
@@ -126,7 +129,7 @@ def condition_of(bundle: Bundle, text: str, frame: FrameSpec, *, is_negated: boo
     Raises:
         UsageError: If it is not surely understood, is no yes or no, or could never be told.
     """
-    understood = understand(bundle.reader, check_question(text), None, None)
+    understood = understand(bundle.reader, check_question(text), unlikely=OUT_OF_PLACE)
     program = understood.program
     words = restated(program) if program.answers or program.facts else "nothing that I know"
     if understood.ask_back is not None or understood.probability < READ:

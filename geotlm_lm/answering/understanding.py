@@ -79,6 +79,7 @@ def understand(
     question: str,
     before: Program | None = None,
     asked: Asked | None = None,
+    unlikely: frozenset[str] = frozenset(),
 ) -> Understood:
     """Read a question.
 
@@ -88,12 +89,12 @@ def understand(
         before: What was asked last, if anything was.
         asked: About what: readings are compared by what they come to; None where the program
             itself is wanted.
+        unlikely: Words of programs that are out of place.
 
     Raises:
         UsageError: If the question is empty or too long.
     """
     started = time.perf_counter()
-    unlikely: frozenset[str] = frozenset()
     if asked is not None and len(asked.clips) < 2:
         unlikely |= OF_TWO
     if asked is not None and (before is None or not before.answers):

@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from geotlm_lm.core.errors import UsageError
@@ -173,6 +174,13 @@ def solve_contact(
             break
         trying = trying.harder
     return solved
+
+
+def normal_pressure(scene: Scene, profile: Profile, preset: Preset) -> NDArray[np.float64]:
+    """Return the first frame's pressure per shear modulus on the contact grid, (cells, cells)."""
+    overlap = _overlap(scene, profile, preset, list(_poses(scene.path))[:1], np.inf)
+    solved = solve_normal_contact(overlap, preset.response(scene.gel), preset.effort)
+    return solved.pressure[0].double().numpy()
 
 
 def _pressed(
