@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from geotlm_lm.answering.understanding import OF_BEFORE, OF_TWO, understand
+from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UsageError, check_question
@@ -44,9 +44,6 @@ stays as it is, so that noise does not make it flicker."""
 
 READ = 0.7
 """Least probability of a reading: a condition moves a robot, as facts turn a direction."""
-
-OUT_OF_PLACE = OF_TWO | OF_BEFORE | {"fact", "talk", "cannot", "not-understood"}
-"""Words of programs that begin no condition: a fact beside one is still understood."""
 
 NEEDS = ("scale", "thread", "side", "unit", "pixel", "second", "before", "rate", "share", "place")
 """Reasons for which a condition could never be told, whatever happens."""
@@ -129,7 +126,7 @@ def condition_of(bundle: Bundle, text: str, frame: FrameSpec, *, is_negated: boo
     Raises:
         UsageError: If it is not surely understood, is no yes or no, or could never be told.
     """
-    understood = understand(bundle.reader, check_question(text), unlikely=OUT_OF_PLACE)
+    understood = understand(bundle.reader, check_question(text), is_condition=True)
     program = understood.program
     words = restated(program) if program.answers or program.facts else "nothing that I know"
     if understood.ask_back is not None or understood.probability < READ:
@@ -258,7 +255,8 @@ class Monitor:
         sure: Probability with which it has to hold.
         lasting_s: For how long.
         whose: Of the object in the world where the sensor's own motion is given, or of the contact.
-        since: What the condition is about: all since watching began, or since it last held.
+        since: What the condition is about: all since watching began, since it last held, or since
+            `begin`, before which nothing holds.
         fps: Frames per second of the stream; None takes them from the frames' times.
     """
 
@@ -271,7 +269,7 @@ class Monitor:
         sure: float = SURE,
         lasting_s: float = 0.0,
         whose: Whose = "object",
-        since: Literal["start", "last"] = "start",
+        since: Literal["start", "last", "begin"] = "start",
         fps: float | None = None,
     ) -> None:
         if not 0.5 <= sure < 1:
@@ -281,10 +279,15 @@ class Monitor:
         self.tracker, self.condition, self.stream = tracker, condition, stream
         self._sure, self._lasting_s, self._whose = sure, lasting_s, whose
         self._fps = stream.fps if stream is not None and fps is None else fps
-        self._since, self._since_s = since, -np.inf
+        self._since, self._since_s = since, np.inf if since == "begin" else -np.inf
         self._own: list[tuple[float, Twist]] = []
         self._is_own_known = True
         self._number, self._true_since_s, self.holds = -1, None, False
+
+    def begin(self) -> None:
+        """Let the condition be about what comes from the last frame on: the gripper has closed."""
+        self._since_s = self._own[-1][0] if self._own else -np.inf
+        self._true_since_s, self.holds = None, False
 
     def __iter__(self) -> Iterator[Verdict]:
         """Yield the verdicts at which the condition begins to hold."""
@@ -374,7 +377,9 @@ class Monitor:
         return np.array(times), np.array(steps)
 
     def _track(self) -> Track | None:
-        """Return what was seen so far, or since the condition last held; None of too little."""
+        """Return what was seen since the condition is counted; None of too little."""
+        if self._since_s == np.inf:
+            return None
         track = self.tracker.now()
         if np.isfinite(self._since_s) and len(track) > 1:
             if (track.times_s >= self._since_s).sum() < 2:

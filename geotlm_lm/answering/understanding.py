@@ -79,7 +79,8 @@ def understand(
     question: str,
     before: Program | None = None,
     asked: Asked | None = None,
-    unlikely: frozenset[str] = frozenset(),
+    *,
+    is_condition: bool = False,
 ) -> Understood:
     """Read a question.
 
@@ -89,20 +90,36 @@ def understand(
         before: What was asked last, if anything was.
         asked: About what: readings are compared by what they come to; None where the program
             itself is wanted.
-        unlikely: Words of programs that are out of place.
+        is_condition: Whether it is one, and states no facts alone.
 
     Raises:
         UsageError: If the question is empty or too long.
     """
     started = time.perf_counter()
+    unlikely = OF_TWO | OF_BEFORE if is_condition else frozenset()
     if asked is not None and len(asked.clips) < 2:
         unlikely |= OF_TWO
     if asked is not None and (before is None or not before.answers):
         unlikely |= OF_BEFORE
     readings = reader.readings(question, unlikely=unlikely)
+    if is_condition:
+        readings = _asking(reader, readings)
     understood = _chosen(reader, readings, before or Program(), asked)
     took = 1e3 * (time.perf_counter() - started)
     return replace(understood, milliseconds=took, question=question)
+
+
+def _asking(reader: Reader, readings: list[Reading]) -> list[Reading]:
+    """Return the readings that ask something, as likely as they are among such; all for none."""
+    asking = [each for each in readings if each.program.answers]
+    others = sum(each.chance for each in readings if not each.program.answers)
+    if not asking or not others:
+        return readings
+    chances = [min(each.chance / max(1 - others, 1e-6), 1.0) for each in asking]
+    return [
+        replace(each, chance=chance, probability=reader.calibrated(chance))
+        for each, chance in zip(asking, chances, strict=True)
+    ]
 
 
 def _chosen(

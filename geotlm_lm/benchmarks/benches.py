@@ -1,4 +1,4 @@
-"""The four tables (accuracy, cost, stability, omissions), and how they are run."""
+"""The five tables (accuracy, cost, stability, omissions, loop), and how they are run."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from geotlm_lm.benchmarks.clips import CLIPS_SECTION, clip_rows
 from geotlm_lm.benchmarks.contact import CONTACT
 from geotlm_lm.benchmarks.detection import DETECTION
 from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, Section, Share
+from geotlm_lm.benchmarks.loop import LOOP
 from geotlm_lm.benchmarks.omissions import SAVED
 from geotlm_lm.benchmarks.own_answers import OWN_ANSWERS
 from geotlm_lm.benchmarks.pareto import COMMANDS, METHODS, SIMULATOR, STAGES
@@ -22,6 +23,7 @@ from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.reading import READING
 from geotlm_lm.benchmarks.stability import DAMAGE, EXTREME, NUMERICS, SCENES
 from geotlm_lm.benchmarks.tracks import TRACKS
+from geotlm_lm.benchmarks.watching import WATCHING
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
@@ -85,7 +87,14 @@ OMISSIONS = Bench(
     sections=(SAVED,),
 )
 
-BENCHES = {bench.name: bench for bench in (ACCURACY, PARETO, STABILITY, OMISSIONS)}
+CLOSED_LOOP = Bench(
+    name="loop",
+    title="Conditions on a running camera",
+    about="A gripper stopped by what its sensor sees, and conditions waited for in recordings.",
+    sections=(LOOP, WATCHING),
+)
+
+BENCHES = {bench.name: bench for bench in (ACCURACY, PARETO, STABILITY, OMISSIONS, CLOSED_LOOP)}
 
 
 def run_bench(

@@ -115,6 +115,7 @@ def _command(name: str, about: str) -> Callable[..., None]:
 for bench_name, bench_about in {
     "pareto": "Hold error against run time and memory; times need an idle machine.",
     "stability": "Try damaged and extreme clips, stiff scenes, and contact that vanishes.",
+    "loop": "Stop a simulated gripper, and watch recordings, by conditions in words.",
     "omissions": "Tell what each stage that is left out saves, and what it costs.",
 }.items():
     example = f"Example: geotlm-lm bench {bench_name} --quick"

@@ -347,6 +347,8 @@ def with_own_motion(worlds: Worlds, times_s: Floats, steps: Floats) -> Worlds:
         part = COLUMNS[component]
         for first, last in _one_way(steps[:, part]):
             lengths = np.linalg.norm(steps[first : last + 1, part], axis=1)
+            if lengths.sum() < 1e-9:
+                continue
             twist = np.zeros(4)
             twist[part] = steps[first : last + 1, part].sum(axis=0)
             is_lifted = component is Component.PRESS and twist[3] < 0

@@ -188,6 +188,7 @@ class Gripper:
     """
 
     def __init__(self, task: Task, seed: int, fps: float = 25.0, *, is_seen: bool = True) -> None:
+        self._drawn = (task, seed, fps)
         rng = generator_for(seed, "gripper", task)
         self.task, self.fps, self.setting = task, fps, Setting.drawn(rng, task)
         name = OBJECTS[int(rng.integers(len(OBJECTS)))]
@@ -205,6 +206,10 @@ class Gripper:
         self._count, self._moving_s = -1, 0.0
         self._wrist = self._tool = 0.0  # rad, or mm of a pull
         self._lost_s: float | None = None
+
+    def again(self) -> Gripper:
+        """Return the same gripper before it moved, without pictures."""
+        return Gripper(*self._drawn, is_seen=False)
 
     @property
     def time_s(self) -> float:

@@ -26,7 +26,7 @@ def given(monkeypatch):
     )
     small = {
         name: Bench(name, name.title(), "About all.", (section,))
-        for name in ("accuracy", "pareto", "stability", "omissions")
+        for name in ("accuracy", "pareto", "stability", "omissions", "loop")
     }
     monkeypatch.setattr(benches, "BENCHES", small)
     return runs
@@ -37,7 +37,7 @@ def invoke(capsys):
     return lambda *arguments: run(capsys, "bench", *arguments)
 
 
-@pytest.mark.parametrize("name", ["accuracy", "pareto", "stability", "omissions"])
+@pytest.mark.parametrize("name", ["accuracy", "pareto", "stability", "omissions", "loop"])
 def test_options_reach_the_run_and_the_page_is_printed(given, invoke, tmp_path, name):
     code, out, err = invoke(name, "--quick", "--seed", 4, "--real", tmp_path)
     assert code == 0

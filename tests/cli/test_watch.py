@@ -251,7 +251,7 @@ def test_a_camera_that_stalls_is_told_and_ends_with_what_was_tracked(capsys, tmp
     table = tmp_path / "t.csv"
     given = (0, "--stalled-after", 0.2, "--out", table, "--json")
     code, out, err = run(capsys, *given)
-    assert code == Stalled.exit_code == 8
+    assert code == Stalled.exit_code == 10
     (account,) = map(json.loads, out.splitlines())
     assert (account["type"], account["frames"]) == ("account", 20)
     assert len(table.read_text().splitlines()) == 1 + 20
@@ -263,7 +263,7 @@ def test_a_camera_that_stalls_is_told_and_ends_with_what_was_tracked(capsys, tmp
 def test_a_camera_that_never_gives_a_frame_ends_too(capsys, plugged_in):
     plugged_in([])
     code, out, err = run(capsys, "/dev/video9", "--stalled-after", 0.05)
-    assert (code, out) == (8, "")
+    assert (code, out) == (10, "")
     assert err.startswith("note: No frame of /dev/video9 for 0.01 s.\n")
 
 
