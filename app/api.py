@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import Exported, FrameSpec, Motion, picture, plot_png
+from geotlm_lm import DEFAULT_FPS, Exported, FrameSpec, Monitor, Motion, picture, plot_png
 
 from . import schema as p
 from .clips import LoadedClip, OpenedRecordings
@@ -17,6 +17,7 @@ from .guards import EVENTS
 from .simulate_tab import simulate as simulate_and_ask
 from .simulate_tab import touch_of
 from .sources import Sources
+from .turns import LISTENER
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -35,7 +36,7 @@ class Api:
     def functions(self) -> tuple[Callable[..., Any], ...]:
         """All of them."""
         return (
-            *(self.recordings, self.ask, self.track, self.compare),
+            *(self.recordings, self.ask, self.track, self.wait_until, self.compare),
             *(self.simulate, self.evidence, self.picture),
         )
 
@@ -86,6 +87,45 @@ class Api:
         frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
         whole, track = self._tracked(recording, frames, topic)
         return summary_of(track, whole, frame, rows)
+
+    def wait_until(
+        self,
+        recording: p.Recording,
+        condition: p.Condition,
+        sure: p.Sure = 0.95,
+        lasting_s: p.LastingS = 0.0,
+        most_s: p.MostS = 60.0,
+        mirrored: p.Mirrored = False,
+        turned: p.Turned = 0,
+        viewpoint: p.Viewpoint = "sensor",
+        actor: p.Actor = "object",
+        thread: p.Thread = None,
+        contact_side: p.ContactSide = None,
+        mm_per_px: p.MmPerPx = None,
+        topic: p.Topic = None,
+    ) -> p.Waited:
+        """Tell from when on a condition holds in a recording, looking at no later frame.
+
+        Returns whether and when it holds, how sure that is, what it rests on, and how the condition
+        was read; a condition that is not surely understood is refused.
+        """
+        frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
+        understood = self._answerer.condition(condition, frame=frame)
+        clip, report = self._opened.whole(recording, topic).recording, LISTENER.get()
+        options = {"sure": sure, "lasting_s": lasting_s, "fps": clip.fps}
+        monitor = Monitor(self._answerer.tracker(clip), understood, **options)
+        waited: dict[str, Any] = {"holds": False}
+        for number, image in zip(clip.frame_numbers, clip.frames, strict=True):
+            time_s = clip.second_of(number, DEFAULT_FPS)
+            if time_s > most_s:
+                break
+            verdict = monitor.push(image, time_s, number=number)
+            waited = verdict.to_dict() if verdict.holds else waited
+            if verdict.holds:
+                break
+            if report is not None:
+                report(f"waiting until {understood.restated}", number, clip.recorded_frames)
+        return waited | {"read_as": understood.restated, "understood": understood.probability}
 
     def compare(
         self,

@@ -34,6 +34,16 @@ Question = _about(
     min_length=1,
     max_length=QUESTION_CHARACTERS,
 )
+Condition = _about(
+    str,
+    "What is waited for, in plain English: 'it has turned 30 degrees clockwise', 'it slips by more "
+    "than 0.5 mm', 'contact is lost'.",
+    min_length=1,
+    max_length=QUESTION_CHARACTERS,
+)
+Sure = bounded(0.5, 0.999, "Probability with which the condition has to hold.")
+LastingS = bounded(0.0, 60.0, "Seconds for which it has to.")
+MostS = bounded(0.1, 600.0, "Seconds of the recording that are looked at.")
 FrameNumber = Annotated[int, Field(ge=0, le=10**9)]
 Frames = _about(
     list[FrameNumber] | None,
@@ -279,6 +289,20 @@ class TrackResult(TypedDict):
     totals: Totals
     rows: list[dict[str, float]]
     notes: list[str]
+
+
+class Waited(TypedDict):
+    """From when on a condition holds: time, frame and evidence only where it does."""
+
+    holds: bool
+    read_as: str
+    understood: float
+    time_s: NotRequired[float]
+    frame: NotRequired[int]
+    probability: NotRequired[float | None]
+    evidence: NotRequired[str]
+    relative_to_sensor: NotRequired[bool]
+    latency_ms: NotRequired[float]
 
 
 class PictureResult(TypedDict):

@@ -1,1 +1,1 @@
-"""Error, run time and stability, measured: four benches over one harness."""
+"""Error, run time, stability and closed loops, measured: five benches over one harness."""

@@ -18,7 +18,10 @@ from geotlm_lm import __version__  # noqa: E402
 from geotlm_lm.core.errors import MissingDependency  # noqa: E402
 from tests.app.fakes import CAP, clip, in_message  # noqa: E402
 
-TOOLS = {"recordings", "ask", "track", "compare", "simulate", "evidence", "picture"}
+TOOLS = {"recordings", "ask", "track", "wait_until", "compare", "simulate"} | {
+    "evidence",
+    "picture",
+}
 
 
 def assert_refused(answer, begins):
