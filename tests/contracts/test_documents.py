@@ -5,9 +5,11 @@ cannot run in a test is parsed, so that its command and its options exist; `ONLY
 """
 
 import io
+import os
 import re
 import shlex
 import shutil
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -120,6 +122,8 @@ def all_commands():
 @pytest.fixture
 def readers_folder(tmp_path, monkeypatch):
     """Go to a folder with a checkout's examples and a reader's own recordings."""
+    programs = Path(sys.executable).parent  # a script of a page finds what is tested
+    monkeypatch.setenv("PATH", f"{programs}{os.pathsep}{os.environ['PATH']}")
     shutil.copytree(ROOT / "app/examples", tmp_path / "app/examples")
     example = np.load(ROOT / "app/examples/hex_nut_counterclockwise.npz")
     idle, (first, second, third, last) = example["background"], example["frames"]
