@@ -179,7 +179,7 @@ def train_language(
     for name in STAGES[STAGES.index(state["stage"]) if state else 0 :]:
         if name == "sentences":
             model = with_speaking(model, config.size.speaking, _generator(config.seed, "above"))
-        if _is_taught(name, taught):
+        if _is_taught(name, config, taught):
             model = model.to(ranks.device).train()
             run = _Stage(name, config, taught, spelling, ranks, workers, progress)
             run.train(model, state, folder)
@@ -198,9 +198,14 @@ def blank_reader(token_width: int) -> Reader:
     return Reader(served(model), spelling, (1.0, 0.0))
 
 
-def _is_taught(stage: str, taught: Taught) -> bool:
-    needed = {"english": taught.passages, "reading": True}
-    return bool(needed.get(stage, taught.sentences))
+def _is_taught(stage: str, config: LanguageTraining, taught: Taught) -> bool:
+    needed = {
+        "english": taught.passages,
+        "reading": True,
+        "slots": taught.sentences,
+        "sentences": taught.sentences and config.size.speaking,
+    }
+    return bool(needed[stage])
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,7 @@ TINY = replace(
     answer_clips=3,
     language_batch=4,
 )
-SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16)
+SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16, speaking=1)
 LANGUAGE = {"size": SMALL, "vocabulary": 300, "dropout": 0}
 """Byte pairs are left apart by chance, which no seed rules."""
 PASSAGE = "a cap turns about its axis when a hand turns it, and so does a lid of a jar"
@@ -155,6 +155,21 @@ def test_perception_is_taken_from_a_bundle_as_it_is(finished, tmp_path, monkeypa
     name = "perception.safetensors"
     assert (after / name).read_bytes() == (before / name).read_bytes()
     assert "--start bundle --stage language" in load_bundle(after).provenance["command"]
+
+
+def test_what_reads_and_feels_is_taken_from_a_bundle_that_learns_to_speak(finished, tmp_path):
+    given = finished / "bundle"
+    train.train("tiny", tmp_path, seed=3, workers=1, start=given, stage="sentences")
+    before, after = (load_bundle(each).reader.decoder for each in (given, tmp_path / "bundle"))
+    changed = {name for name, x in before.stored.items() if (x != after.stored[name]).any()}
+    last = before.size.layers
+    assert changed
+    assert all(name.startswith(f"model.layers.{last}.") for name in changed)
+
+
+def test_an_unknown_stage_is_refused(tmp_path):
+    with pytest.raises(UsageError, match="no stage 'end'; choose one of language, slots"):
+        train.train("tiny", tmp_path, seed=3, workers=1, stage="end")
 
 
 def test_another_seed_in_the_same_folder_is_refused(finished):
