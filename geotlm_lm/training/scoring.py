@@ -220,9 +220,10 @@ def _language_made(bundle: Bundle) -> str:
     size, weights = decoder.size, sum(x.size for x in decoder.stored.values())
     return f"""a Llama decoder of transformers, {size.layers} layers of width {size.width} that read
   and {size.speaking} above them that speak, {weights:,} weights, from random ones unless the
-  command names a bundle: {made["english_steps"]:,} steps on English (free texts of Debian packages),
-  {made["reading_steps"]:,} on questions and their programs, {made["slots_steps"]:,} on what is felt
-  in {made["answer_clips"]:,} simulated clips, {made["sentences_steps"]:,} on answers about them;
+  command names a bundle: {made["english_steps"]:,} steps on English (free texts of Debian
+  packages), {made["reading_steps"]:,} on questions and their programs, {made["slots_steps"]:,} on
+  what is felt in {made["answer_clips"]:,} simulated clips, {made["sentences_steps"]:,} on answers
+  about them;
   {made["language_batch"]} questions a step, each learned from {made["question_passes"]} times."""
 
 
