@@ -32,6 +32,9 @@ SURE = 0.5
 """Probability at which the gripper stops: where it likely has come to its goal, early as often as
 late."""
 
+SLOWLY_DEG, SLOW = 10.0, 10.0
+"""Turn that is left from which on it turns slowly, and how fast then, degrees a second."""
+
 PULL_S = 4.0
 """For how long an object is pulled."""
 
@@ -57,16 +60,27 @@ def _judged(monitor: Monitor, gripper: Gripper, rate: float) -> Verdict:
 
 
 def turn_by_words(answerer: Answerer, gripper: Gripper) -> Ended:
-    """Tighten until the sensor tells that the cap has turned far enough."""
-    goal = gripper.setting.goal
-    condition = f"it has turned {goal:g} degrees clockwise"
-    monitor = answerer.monitor(None, condition, fps=gripper.fps, sure=SURE, since="begin")
+    """Tighten until the sensor tells that the cap has turned far enough, slowly when it nearly has.
+
+    Both conditions look at one track.
+    """
+    goal, rate = gripper.setting.goal, gripper.setting.rate
+    options = {"fps": gripper.fps, "sure": SURE, "since": "begin"}
+    done = answerer.monitor(None, f"it has turned {goal:g} degrees clockwise", **options)
+    words = f"it has turned {goal - SLOWLY_DEG:g} degrees clockwise"
+    near = Monitor(done.tracker, answerer.condition(words), **options)
     latency = []
     while gripper.time_s < LONGEST_S:
-        verdict = _judged(monitor, gripper, gripper.setting.rate)
+        was_ready = gripper.is_ready
+        seen = gripper.step(min(rate, SLOW) if near.holds else rate)
+        verdict = done.push(seen.frame, seen.time_s, seen.own_motion)
+        near.judged(seen.time_s, verdict.number, seen.own_motion)
         latency.append(verdict.latency_ms)
         if verdict.holds:
             return Ended(gripper, gripper.time_s, latency_ms=tuple(latency))
+        if gripper.is_ready and not was_ready:
+            done.begin()
+            near.begin()
     return Ended(gripper, None, latency_ms=tuple(latency))
 
 

@@ -41,7 +41,7 @@ FINE_PX, COARSE_PX = 0.35, 2.0
 APART_DEG, APART_S = 12.0, 0.3
 """Turn, or time, after which the next frame is kept."""
 
-TURNING_DEG, ALIKE = 4.0, 0.7
+TURNING_DEG, ALIKE = 4.0, 0.9
 """After that time only where steps tell more than this, or where the picture is less alike than
 that: steps hold still what a fixed mark outshines."""
 
