@@ -121,8 +121,8 @@ def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> W
         values = tuple(_without_guesses(each, probability) for each in values)
     guesses = tuple(each for each in values if is_guess(each))
     is_mixed = len(guesses) < len(values)
-    told = [each for each in values if each not in guesses] if is_mixed else values
-    sure = probability * min(each.probability for each in told)
+    certain = [each for each in values if each not in guesses] if is_mixed else values
+    sure = probability * min(each.probability for each in certain)
     wording = worded(values, program.form, teller, sure, guesses if is_mixed else ())
     return Worded(values, wording, teller, sure, guesses)
 

@@ -227,7 +227,7 @@ def _lag_row(case: str, lags: np.ndarray, ended: list[Ended]) -> Row:
 
 
 def _latency(ended: list[Ended]) -> dict[str, float]:
-    taken = [each for one in ended for each in one.latency_ms]
+    taken = [each for run in ended for each in run.latency_ms]
     if not taken:
         return {}
     return {

@@ -121,10 +121,10 @@ class LanguageModel(nn.Module):
         with torch.no_grad():
             below = self._through(embedded, mask, positions, slice(layers))
         own = mask[..., :clip, :clip], positions[:, :clip], slice(layers)
-        felt = self._through(embedded[:, :clip], *own)
-        both = torch.cat([felt, below[:, clip:]], dim=1)
+        of_clip = self._through(embedded[:, :clip], *own)
+        both = torch.cat([of_clip, below[:, clip:]], dim=1)
         above = self._through(both, mask, positions, slice(layers, None))
-        return self._normed(above), self._normed(felt)
+        return self._normed(above), self._normed(of_clip)
 
     def _normed(self, states: Tensor) -> Tensor:
         return self.llama.model.norm(states)

@@ -381,8 +381,8 @@ def _loss(
         embedded = torch.cat([made, embedded[:, made.shape[1] :]], dim=1)
     places = embedded, sight(batch.kind), positions(batch.kind)
     if is_spoken:
-        states, felt = model.spoken(*places, PREFIX + len(SLOTS))
-        states = torch.cat([felt, states[:, felt.shape[1] :]], dim=1)
+        states, of_clip = model.spoken(*places, PREFIX + len(SLOTS))
+        states = torch.cat([of_clip, states[:, of_clip.shape[1] :]], dim=1)
     else:
         states = model.states(*places)
     logits = model.logits(pad(states[is_wanted], (0, 0, 0, spare))).float()

@@ -265,8 +265,8 @@ class Answers:
         rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
         ends = [place * len(rows) // POOL for place in range(POOL + 1)]
         slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
-        felt = Clips(self.sentences, self.spelling).asked
-        parts = [felt(laid(rows[start:end], slots)) for start, end in pairwise(ends)]
+        with_slots = Clips(self.sentences, self.spelling).asked
+        parts = [with_slots(laid(rows[start:end], slots)) for start, end in pairwise(ends)]
         return [parts[place] for place in rng.permutation(POOL)]
 
     @cached_property
