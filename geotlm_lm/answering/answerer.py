@@ -165,7 +165,8 @@ class Answerer:
         if not isinstance(condition, Condition):
             condition = self.condition(condition, frame=frame)
         stream = None if source is None else open_source(str(source))
-        return Monitor(self.tracker(), condition, stream, **options)
+        tracker = tracker_of(self.bundle, with_depth=condition.is_of_depth)
+        return Monitor(tracker, condition, stream, **options)
 
     def believing(self, encoded: Encoded) -> Encoded:
         """Return a clip with what makes its belief, and what shows it to the language model.

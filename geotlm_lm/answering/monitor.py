@@ -27,7 +27,16 @@ from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.answers import answer, chance_of
 from geotlm_lm.query.evaluate import Context, Evidence, Untold
 from geotlm_lm.query.facts import with_facts
-from geotlm_lm.query.program import GOING, Expression, Program, head_of, measure_of, of, type_of
+from geotlm_lm.query.program import (
+    EVENTS,
+    GOING,
+    Expression,
+    Program,
+    head_of,
+    measure_of,
+    of,
+    type_of,
+)
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import restated
 from geotlm_lm.query.telling import Teller
@@ -44,6 +53,9 @@ stays as it is, so that noise does not make it flicker."""
 
 READ = 0.7
 """Least probability of a reading: a condition moves a robot, as facts turn a direction."""
+
+OF_DEPTH = ("press", "in", "out", "move", "still", "any", "pause")
+"""Words of programs that a press changes."""
 
 NEEDS = ("scale", "thread", "side", "unit", "pixel", "second", "before", "rate", "share", "place")
 """Reasons for which a condition could never be told, whatever happens."""
@@ -70,6 +82,13 @@ class Condition:
     frame: FrameSpec
     probability: float
     restated: str
+
+    @property
+    def is_of_depth(self) -> bool:
+        """Whether it asks how deep something goes, which the model alone can tell."""
+        words = {name for each in self.holds for name in (each.word, *each.arguments)
+                 if isinstance(name, str)}  # fmt: skip
+        return any(word.removesuffix(EVENTS) in OF_DEPTH for word in words)
 
 
 @dataclass(frozen=True, eq=False)

@@ -94,11 +94,16 @@ def track_recording(
     return track_of(clip, believe, whole=whole, progress=progress, scene=scene)
 
 
-def tracker_of(bundle: Bundle, clip: Clip | None = None) -> Tracker:
-    """Return what follows frames one by one, and knows the idle gel of a recording."""
+def tracker_of(bundle: Bundle, clip: Clip | None = None, *, with_depth: bool = True) -> Tracker:
+    """Return what follows frames one by one, and knows the idle gel of a recording.
+
+    Without depth the model is asked nothing: turns, slides and contact are measured alone.
+    """
     idle, is_known = (None, True) if clip is None else (clip.background, True)
     if clip is not None and idle is None:
         idle, is_known = gel_of(scene_of(clip).steadied(clip))
+    if not with_depth:
+        return Tracker(idle=idle, is_contact_known=is_known)
     believe, whole = believer(bundle.model, bundle.motion), _whole(bundle, clip)
     return Tracker(believe, idle=idle, is_contact_known=is_known, whole=whole)
 

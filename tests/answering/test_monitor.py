@@ -194,6 +194,15 @@ def test_a_condition_that_cannot_be_waited_for_is_refused(answerer, text, why):
         condition_of(answerer.bundle, text, CAMERA, is_negated=False)
 
 
+@pytest.mark.parametrize(
+    ("line", "is_of_depth"),
+    [("> amount cw #1", False), ("slide", False), ("happens none-events", False)]
+    + [("> amount in #1", True), ("not move", True), ("happens press-events", True)],
+)
+def test_the_model_is_asked_only_where_depth_is(line, is_of_depth):
+    assert condition(line, (4.0, "deg")).is_of_depth == is_of_depth
+
+
 @pytest.mark.parametrize("options", [{"sure": 0.3}, {"sure": 1.0}, {"lasting_s": -1.0}])
 def test_an_option_outside_its_range_is_refused(options):
     with pytest.raises(UsageError, match="was wanted, expected"):
