@@ -33,7 +33,7 @@ from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.query.speaker import Speaker
 
-BUNDLE_FORMAT = 11
+BUNDLE_FORMAT = 12
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"

@@ -98,50 +98,36 @@ class LanguageModel(nn.Module):
             for name, weight in layers[place].named_parameters()
         }
 
-    def states(self, embedded: Tensor, mask: Tensor, positions: Tensor) -> Tensor:
-        """Return the states (b, s, width) that programs and slots are read from.
+    def states(
+        self, embedded: Tensor, mask: Tensor, positions: Tensor, is_spoken: bool = False
+    ) -> Tensor:
+        """Return the states (b, s, width) that programs and slots, or sentences, are read from.
 
         Args:
             embedded: Embeddings, (b, s, width).
             mask: True where a position may look, (b, 1, s, s).
             positions: Of each embedding, (b, s).
+            is_spoken: Whether those behind all layers, not behind those that read.
         """
-        layers = self.llama.config.reading_layers
-        return self._normed(self._through(embedded, mask, positions, slice(layers)))
-
-    def spoken(
-        self, embedded: Tensor, mask: Tensor, positions: Tensor, clip: int
-    ) -> tuple[Tensor, Tensor]:
-        """Return the states that sentences are read from, and those of `states` of the clip.
-
-        Text learns nothing below the layers that speak, so that no gradient is kept of it there;
-        of the first `clip` positions, which see each other alone, it is.
-        """
-        layers = self.llama.config.reading_layers
-        with torch.no_grad():
-            below = self._through(embedded, mask, positions, slice(layers))
-        own = mask[..., :clip, :clip], positions[:, :clip], slice(layers)
-        of_clip = self._through(embedded[:, :clip], *own)
-        both = torch.cat([of_clip, below[:, clip:]], dim=1)
-        above = self._through(both, mask, positions, slice(layers, None))
-        return self._normed(above), self._normed(of_clip)
-
-    def _normed(self, states: Tensor) -> Tensor:
-        return self.llama.model.norm(states)
-
-    def _through(self, x: Tensor, mask: Tensor, positions: Tensor, layers: slice) -> Tensor:
-        """Return the states behind some layers, of those before them."""
         decoder = self.llama.model
         # On processors torch's kernel for masked attention takes twice as long as its products.
-        kind = "sdpa" if x.is_cuda else "eager"
+        kind = "sdpa" if embedded.is_cuda else "eager"
         if decoder.config._attn_implementation != kind:
             decoder.set_attn_implementation(kind)
         if kind == "eager":
             mask = torch.zeros(mask.shape).masked_fill(~mask, UNSEEN)
-        turned = decoder.rotary_emb(x, position_ids=positions)
-        for layer in decoder.layers[layers]:
-            x = layer(x, attention_mask=mask, position_ids=positions, position_embeddings=turned)
-        return x
+        reading = decoder.config.reading_layers
+        is_early = not is_spoken and reading < decoder.config.num_hidden_layers
+        read = decoder(
+            inputs_embeds=embedded,
+            attention_mask=mask,
+            position_ids=positions,
+            use_cache=False,
+            output_hidden_states=is_early,
+        )
+        if is_early:
+            return decoder.norm(read.hidden_states[reading])
+        return read.last_hidden_state
 
     def logits(self, hidden: Tensor) -> Tensor:
         """Return the logits over all ids; the output weights are the embeddings."""

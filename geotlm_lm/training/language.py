@@ -1,8 +1,9 @@
 """Train the language model: English, what questions mean, what is felt in clips, and sentences.
 
 Each stage goes on from the weights of the one before and from its own last checkpoint. The last two
-leave how questions are read exactly as it was: the projector learns what is felt, and layers above
-those that read learn to speak. Two runs of one seed are alike, not equal: see `language_rows`.
+leave how questions are read exactly as it was: of what is felt the projector learns, and of
+sentences layers above those that read. Two runs of one seed are alike, not equal: see
+`language_rows`.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.process import Progress, silent, uninterrupted_step
 from geotlm_lm.language.decoder import LanguageModel, fresh, served, stored, with_speaking
-from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
+from geotlm_lm.language.size import LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.grammar import Pair, grammar
@@ -36,8 +37,6 @@ from geotlm_lm.query.spelling import SLOT_TOKENS, WORDS, Spelling, plain_parts
 from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
 from geotlm_lm.training.language_rows import (
     POOL,
-    SENTENCE,
-    SLOT,
     Answers,
     Batch,
     Clips,
@@ -68,9 +67,6 @@ without it a clip can be learned by heart. The belief is a measurement with its 
 
 SILENT_SHARE = 0.15
 """Share of clips of which the belief is not shown, so that the fused token is read as well."""
-
-FELT = 4.0
-"""Weight of a word at a slot beside one of a sentence: there are four of them."""
 
 STAGES = ("english", "reading", "slots", "sentences")
 
@@ -259,14 +255,15 @@ class _Stage:
     def _optimiser(self, model: LanguageModel) -> Muon:
         """Return that of what this stage teaches; all else keeps still."""
         learned = dict(model.named_parameters())
-        if self.name in ("slots", "sentences"):
+        if self.name == "slots":
             learned = {name: x for name, x in learned.items() if name.startswith("projector")}
             learned["llama.model.embed_tokens.weight"] = model.embed_weight()
             slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
             is_slot = torch.zeros(len(model.embed_weight()), 1).to(model.embed_weight())
             is_slot[slots] = 1
             model.embed_weight().register_hook(lambda gradient: gradient * is_slot)
-            learned |= model.speaking_parameters()
+        elif self.name == "sentences":
+            learned = model.speaking_parameters()
         for name, weight in model.named_parameters():
             weight.requires_grad_(name in learned)
         return Muon(orthogonal_groups(parameter_groups(learned)), betas=(0.9, 0.98))
@@ -319,16 +316,15 @@ class _Stage:
         for place, batch in enumerate(batches):
             draws = _generator(config.seed, self.name, "hidden", step, place)
             is_hidden, wanted = hidden(batch, config.hidden, draws)
-            prefix, is_silent = self._prefix(model, batch, draws)
-            if self.name == "sentences":  # of what is not shown nothing is to be said
-                wanted[is_silent[:, None] & (batch.kind == SENTENCE)] = UNASKED
+            prefix = self._prefix(model, batch, draws)
             asked = max(int((wanted != UNASKED).sum()), 1) / ranks.count
             asked /= self._weights()[place]
             mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
             if len(mine.ids):
+                is_spoken = self.name == "sentences"
                 with ranks.bfloat16_products():
                     shown = ranks.share(is_hidden), prefix, ranks.device
-                    loss = _loss(model, mine, *shown, is_spoken=self.name == "sentences")
+                    loss = _loss(model, mine, *shown, is_spoken)
                 (loss / asked).backward()
                 total += loss.item() / asked
         total = ranks.average(model.parameters(), total)
@@ -341,15 +337,10 @@ class _Stage:
         is_beside = self.name == "reading" and self.taught.passages
         return (1.0, *[BESIDE] * bool(is_beside))
 
-    def _prefix(
-        self, model: LanguageModel, batch: Batch, draws: torch.Generator
-    ) -> tuple[Tensor | None, Tensor]:
-        """Return the standardised numbers of this rank's clips, the fused token's with noise.
-
-        Of some the belief is not shown: which, of all clips, comes with them.
-        """
+    def _prefix(self, model: LanguageModel, batch: Batch, draws: torch.Generator) -> Tensor | None:
+        """Return the standardised numbers of this rank's clips, the fused token's with noise."""
         if int(batch.clip[0]) == UNASKED:
-            return None, torch.zeros(len(batch.ids), dtype=torch.bool)
+            return None
         numbers = torch.from_numpy(self.taught.sentences.numbers[batch.clip.numpy()]).float()
         token_width = model.projector.widths[0]
         noise = NOISE * torch.randn((len(numbers), token_width), generator=draws)
@@ -358,7 +349,7 @@ class _Stage:
         numbers = (numbers - mean) / scale
         numbers[:, :token_width] += noise
         numbers[is_silent, token_width:] = 0
-        return self.ranks.share(numbers), is_silent
+        return self.ranks.share(numbers)
 
 
 def _loss(
@@ -379,16 +370,9 @@ def _loss(
     if prefix is not None:
         made = model.projector.from_standardised(prefix.to(embedded.device)).to(embedded.dtype)
         embedded = torch.cat([made, embedded[:, made.shape[1] :]], dim=1)
-    places = embedded, sight(batch.kind), positions(batch.kind)
-    if is_spoken:
-        states, of_clip = model.spoken(*places, PREFIX + len(SLOTS))
-        states = torch.cat([of_clip, states[:, of_clip.shape[1] :]], dim=1)
-    else:
-        states = model.states(*places)
+    states = model.states(embedded, sight(batch.kind), positions(batch.kind), is_spoken)
     logits = model.logits(pad(states[is_wanted], (0, 0, 0, spare))).float()
-    costs = cross_entropy(logits, labels, reduction="none", ignore_index=UNASKED)[:asked]
-    weights = torch.where(batch.kind == SLOT, FELT if is_spoken else 1.0, 1.0)[is_wanted]
-    return (costs * weights).sum()
+    return cross_entropy(logits, labels, reduction="sum", ignore_index=UNASKED)
 
 
 def _spelling(config: LanguageTraining, taught: Taught, folder: Path) -> Spelling:

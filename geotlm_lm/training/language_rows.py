@@ -253,7 +253,7 @@ def english_row(spelling: Spelling, text: str, rng: random.Random) -> Row:
 
 @dataclass(frozen=True, eq=False)
 class Answers:
-    """Draws answers about clips, of which the words at their slots are asked as well."""
+    """Draws answers about clips."""
 
     sentences: Sentences
     spelling: Spelling
@@ -265,8 +265,7 @@ class Answers:
         rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
         ends = [place * len(rows) // POOL for place in range(POOL + 1)]
         slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
-        with_slots = Clips(self.sentences, self.spelling).asked
-        parts = [with_slots(laid(rows[start:end], slots)) for start, end in pairwise(ends)]
+        parts = [laid(rows[start:end], slots) for start, end in pairwise(ends)]
         return [parts[place] for place in rng.permutation(POOL)]
 
     @cached_property
@@ -295,9 +294,9 @@ class Clips:
         """Return the clips of `POOL` steps, `count` each."""
         drawn = rng.choice(len(self.sentences.numbers), size=(POOL, count))
         slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
-        return [self.asked(laid([Row([], clip=clip) for clip in row], slots)) for row in drawn]
+        return [self._asked(laid([Row([], clip=clip) for clip in row], slots)) for row in drawn]
 
-    def asked(self, batch: Batch) -> Batch:
+    def _asked(self, batch: Batch) -> Batch:
         """Return a batch with the slots' words asked."""
         words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
         wanted = batch.wanted.clone()

@@ -162,10 +162,9 @@ def test_what_reads_and_feels_is_taken_from_a_bundle_that_learns_to_speak(finish
     train.train("tiny", tmp_path, seed=3, workers=1, start=given, stage="sentences")
     before, after = (load_bundle(each).reader.decoder for each in (given, tmp_path / "bundle"))
     changed = {name for name, x in before.stored.items() if (x != after.stored[name]).any()}
-    last = f"model.layers.{before.size.layers}."
-    below = {name for name in changed if not name.startswith(last)}
-    assert below == {"model.embed_tokens.weight"}
-    assert len(changed) > 1
+    last = before.size.layers
+    assert changed
+    assert all(name.startswith(f"model.layers.{last}.") for name in changed)
 
 
 def test_an_unknown_stage_is_refused(tmp_path):
