@@ -13,7 +13,14 @@ import typer
 
 from geotlm_lm.cli import main as main_module
 from geotlm_lm.cli.options import path_of
-from geotlm_lm.core.errors import BelowMinimum, IncompatibleBundle, MissingDependency, Stalled
+from geotlm_lm.core.errors import (
+    BelowMinimum,
+    IncompatibleBundle,
+    MissingDependency,
+    NotReached,
+    Stalled,
+    TimedOut,
+)
 from tests.cli.running import run
 
 WRONG_CALLS = {
@@ -153,7 +160,8 @@ def test_a_value_out_of_range_ends_with_one_sentence_and_code_2(capsys, words):
 
 @pytest.mark.parametrize(
     ("error", "code"),
-    [(IncompatibleBundle, 4), (BelowMinimum, 6), (MissingDependency, 7), (Stalled, 8)],
+    [(IncompatibleBundle, 4), (BelowMinimum, 6), (MissingDependency, 7)]
+    + [(TimedOut, 8), (NotReached, 9), (Stalled, 10)],
 )
 def test_each_repairable_error_has_its_own_exit_code(capsys, monkeypatch, error, code):
     def fail(path, **options):

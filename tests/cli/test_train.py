@@ -27,7 +27,7 @@ def test_options_reach_the_seam_and_the_bundle_is_named(calls, capsys):
     options = ("--preset", "smoke", "--out", "runs/a", "--seed", 3, "--workers", 1)
     options += ("--start", "runs/b", "--stage", "slots")
     assert run(capsys, "train", *options)[:2] == (0, "runs/a/bundle\n")
-    assert calls == [("smoke", Path("runs/a"), 3, 1, None, Path("runs/b"))]
+    assert calls == [("smoke", Path("runs/a"), 3, 1, None, Path("runs/b"), "slots")]
 
 
 @pytest.mark.parametrize("preset", ["huge", ""])
