@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import DEFAULT_FPS, Exported, FrameSpec, Monitor, Motion, picture, plot_png
+from geotlm_lm import DEFAULT_FPS, Exported, FrameSpec, Motion, picture, plot_png
 
 from . import schema as p
 from .clips import LoadedClip, OpenedRecordings
@@ -109,6 +109,8 @@ class Api:
         Returns whether and when it holds, how sure that is, what it rests on, and how the condition
         was read; a condition that is not surely understood is refused.
         """
+        from geotlm_lm import Monitor  # with the model's libraries
+
         frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
         understood = self._answerer.condition(condition, frame=frame)
         clip, report = self._opened.whole(recording, topic).recording, LISTENER.get()

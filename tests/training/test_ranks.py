@@ -62,7 +62,7 @@ def resumed(together):
 def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together, resumed):
     (_, straight), (_, (first, second)) = alone, together
     assert first == second  # each knows the loss of the whole batch
-    assert sorted(map(len, first.values())) == [STOPPED_AT, STOPPED_AT, STEPS, STEPS]
+    assert sorted(map(len, first.values())) == [STOPPED_AT, STOPPED_AT, STEPS, STEPS, STEPS]
     assert straight.keys() == first.keys()
     for name, losses in straight.items():
         assert len(losses) == STEPS
