@@ -7,6 +7,7 @@ is no noise is an event, however short it is.
 from __future__ import annotations
 
 import math
+from copy import copy
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
@@ -233,6 +234,13 @@ class EventFinder:
         self._last: Moment | None = None
         self._free_since, self._surest, self._leaked = 0, 0.0, np.zeros(len(COMPONENTS))
         self._waiting: list[Event] = []
+
+    def copied(self) -> EventFinder:
+        """Return another that goes on from here; moments and points are shared, none changes."""
+        other = copy(self)
+        other._moments, other._waiting = dict(self._moments), [*self._waiting]
+        other._legs = {component: copy(legs) for component, legs in self._legs.items()}
+        return other
 
     def push(self, moment: Moment) -> list[Event]:
         """Take in the next frame and return the events that are over."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from copy import copy, deepcopy
+from copy import copy
 from dataclasses import astuple, replace
 
 import numpy as np
@@ -150,6 +150,11 @@ class Tracker:
         self._flashed = self._repeated = self._lost = 0
 
     @property
+    def time_s(self) -> float:
+        """When the last frame that was taken in was taken, on the track's clock."""
+        return self._time_s
+
+    @property
     def idle(self) -> Frames | None:
         """The untouched gel as learnt so far; None while it is being learnt."""
         return self._idle.background
@@ -193,7 +198,7 @@ class Tracker:
         """
         fork = copy(self)
         fork._believe, fork._whole = None, None
-        fork._table, fork._finder = self._table.copied(), deepcopy(self._finder)
+        fork._table, fork._finder = self._table.copied(), self._finder.copied()
         fork._events = [*self._events]
         fork._settled()
         fork._events += fork._told(fork._finder.finish())
