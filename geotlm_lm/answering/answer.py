@@ -23,9 +23,9 @@ class Answer:
         direction: The motion it claims, as `frame` and the question's point of view name it: of the
             component that is asked about, of an open question the larger; None when the question
             asks something else or the model abstains.
-        confidence: Probability of the least sure thing it says, of an amount that it is right
-            within its tolerance, times that of the question being understood, in [0, 1]. 0 when the
-            model abstains.
+        confidence: Probability of the least sure thing that it says and that is no guess, of an
+            amount that it is right within its tolerance, times that of the question being
+            understood, in [0, 1]. 0 when the model abstains.
         abstained: Whether the model declines to say.
         frame: The frame of reference every direction is told in.
         options: Probability of each answer that was possible, by its deciding word. Several motions

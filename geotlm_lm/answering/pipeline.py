@@ -90,19 +90,14 @@ class Worded:
         wording: Of all of them.
         teller: Of the recording, in the frame in which what was stated holds.
         sure: That all of it but guesses is right, the reading included.
-        guesses: Those of the values that are more likely wrong than right.
+        guesses: Which of the values are more likely wrong than right.
     """
 
     values: tuple[Value, ...]
     wording: Wording
     teller: Teller
     sure: float
-    guesses: tuple[Value, ...] = ()
-
-    @property
-    def is_guess(self) -> bool:
-        """Whether nothing of it is more than a guess."""
-        return len(self.guesses) == len(self.values)
+    guesses: tuple[bool, ...]
 
 
 def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> Worded:
@@ -119,11 +114,12 @@ def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> W
     teller = Teller(recording, frame, asked.named)
     if program.form in TEMPLATES:  # what a program reads holds no guess
         values = tuple(_without_guesses(each, probability) for each in values)
-    guesses = tuple(each for each in values if is_guess(each))
-    is_mixed = len(guesses) < len(values)
-    certain = [each for each in values if each not in guesses] if is_mixed else values
+    guesses = tuple(map(is_guess, values))
+    # Where all are guesses the whole answer says so, once.
+    marked = (False,) * len(values) if all(guesses) else guesses
+    certain = [each for each, is_marked in zip(values, marked, strict=True) if not is_marked]
     sure = probability * min(each.probability for each in certain)
-    wording = worded(values, program.form, teller, sure, guesses if is_mixed else ())
+    wording = worded(values, program.form, teller, sure, marked)
     return Worded(values, wording, teller, sure, guesses)
 
 
@@ -141,12 +137,13 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     is_talk = all(isinstance(each, Remark) for each in values)
     if head_of(program.answers[0]).word in ("why", "why-of"):
         text = " ".join([*evidence.reasons, f"Therefore: {text[:1].lower()}{text[1:]}"])
-    chance = min(each.probability for each in values) if answer_words.is_guess else None
+    guesses = answer_words.guesses
+    chance = min(each.probability for each in values) if all(guesses) else None
     text = _framed(text, understood, chance)
     first = values[0]
     # Below one half, the reading included, nothing is decided, though it is told. What is asked
     # besides the first withholds nothing of it.
-    is_abstained = first in answer_words.guesses or sure < LEAST_SURE or not first.is_known
+    is_abstained = guesses[0] or sure < LEAST_SURE or not first.is_known
     is_abstained |= any(getattr(each, "kind", "") in SILENT for each in values)
     encoded = looked_at(first, asked.clips)[-1]
     return replace(

@@ -7,6 +7,7 @@ import io
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import zip_longest
 from typing import Any
 
 from geotlm_lm.core.labels import Motion
@@ -37,7 +38,7 @@ def worded(
     form: str,
     teller: Teller,
     sure: float = 1.0,
-    guesses: Sequence[Value] = (),
+    guesses: Sequence[bool] = (),
 ) -> Wording:
     """Return values in a form of `program.FORMS`; what has no such form is told in full.
 
@@ -46,7 +47,7 @@ def worded(
         form: Wanted.
         teller: Of the recording.
         sure: Probability of the whole answer, for JSON.
-        guesses: Those of the values of which a sentence says that they are not sure.
+        guesses: Of which values a sentence says that they are not sure; empty for none.
     """
     if form == "json":
         return Wording(json.dumps(as_json(values, teller, sure)), teller.named)
@@ -55,11 +56,10 @@ def worded(
     if form in ("list", "table"):
         return _listed(values, form, teller)
     texts, named = [], teller.named
-    for value in values:
+    for value, is_guess in zip_longest(values, guesses, fillvalue=False):
         short = shortened(value, form, teller)
         own = replace(teller, named=named)
         wording = own.tell(value) if short is None else Wording(short, named)
-        is_guess = any(value is each for each in guesses)
         texts.append(guessed(wording.text, value.probability) if is_guess else wording.text)
         named = wording.named
     return Wording(" ".join(texts), named)
