@@ -36,7 +36,6 @@ from geotlm_lm.language.size import SLOTS
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.recordings.scene_checks import scene_of
-from geotlm_lm.recordings.streams import open_source
 from geotlm_lm.track.track import Track
 from geotlm_lm.track.tracker import Tracker
 
@@ -153,20 +152,19 @@ class Answerer:
         frames are pushed: `monitor.push(frame, time_s, own_motion)`.
 
         Args:
-            source: A camera's number, a device file or a recording; None to push frames.
+            source: A camera's number, a device file or a recording, opened once it is iterated;
+                None to push frames.
             condition: In words, or as of `condition`.
             frame: In which directions are meant.
             options: As of `Monitor`: `sure`, `lasting_s`, `whose`, `since`, `fps`.
 
         Raises:
             UsageError: If the condition is refused, or an option is outside its range.
-            MissingDependency, Stalled, UnreadableClip: As of `open_source`.
         """
         if not isinstance(condition, Condition):
             condition = self.condition(condition, frame=frame)
-        stream = None if source is None else open_source(str(source))
         tracker = tracker_of(self.bundle, with_depth=condition.is_of_depth)
-        return Monitor(tracker, condition, stream, **options)
+        return Monitor(tracker, condition, source, **options)
 
     def believing(self, encoded: Encoded) -> Encoded:
         """Return a clip with what makes its belief, and what shows it to the language model.

@@ -10,10 +10,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import closing
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
+from functools import partial
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geotlm_lm.answering.understanding import understand
 from geotlm_lm.checkpoint import Bundle
@@ -28,7 +31,6 @@ from geotlm_lm.query.answers import answer, chance_of
 from geotlm_lm.query.evaluate import Context, Evidence, Untold
 from geotlm_lm.query.facts import with_facts
 from geotlm_lm.query.program import (
-    EVENTS,
     GOING,
     Expression,
     Program,
@@ -36,6 +38,7 @@ from geotlm_lm.query.program import (
     measure_of,
     of,
     type_of,
+    words_of,
 )
 from geotlm_lm.query.replies import replies
 from geotlm_lm.query.restated import restated
@@ -43,9 +46,11 @@ from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.values import Unknown
 from geotlm_lm.query.worlds import with_own_motion, worlds_of_track
 from geotlm_lm.query.written import worded
+from geotlm_lm.recordings.streams import open_source
 from geotlm_lm.track.events import Event, EventKind, Span
 from geotlm_lm.track.summed import belief_of_track
 from geotlm_lm.track.track import Track
+from geotlm_lm.track.tracker import Tracker
 
 SURE, UNSURE = 0.95, 0.5
 """Probability from which on a condition holds, and below which it holds no more: between the two it
@@ -54,7 +59,7 @@ stays as it is, so that noise does not make it flicker."""
 READ = 0.7
 """Least probability of a reading: a condition moves a robot, as facts turn a direction."""
 
-OF_DEPTH = ("press", "in", "out", "move", "still", "any", "pause")
+OF_DEPTH = frozenset({"press", "in", "out", "move", "still", "any", "pause"})
 """Words of programs that a press changes."""
 
 NEEDS = ("scale", "thread", "side", "unit", "pixel", "second", "before", "rate", "share", "place")
@@ -86,9 +91,7 @@ class Condition:
     @property
     def is_of_depth(self) -> bool:
         """Whether it asks how deep something goes, which the model alone can tell."""
-        words = {name for each in self.holds for name in (each.word, *each.arguments)
-                 if isinstance(name, str)}  # fmt: skip
-        return any(word.removesuffix(EVENTS) in OF_DEPTH for word in words)
+        return not OF_DEPTH.isdisjoint(words_of(self.holds))
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,17 +200,19 @@ def _require_possible(condition: Condition) -> None:
         raise UsageError(f"The condition '{condition.text}' can never be told: {why}")
 
 
-def evidence_now(track: Track, fps: float | None, own: Any = None) -> Evidence:
+def evidence_now(
+    track: Track, fps: float | None, own: NDArray[np.float64] | None = None
+) -> Evidence:
     """Return what verdicts rest on: a track up to now, and the sensor's own motion if it is known.
 
     Args:
         track: With two frames or more.
         fps: Frames per second of the stream.
-        own: Times (n,) and the sensor's steps (n, 4), as of `with_own_motion`.
+        own: When frames were taken, and the sensor's steps, (n, 1 + 4), as of `with_own_motion`.
     """
     worlds = worlds_of_track(track, belief_of_track(track, _AT_REST))
     if own is not None:
-        worlds = with_own_motion(worlds, *own)
+        worlds = with_own_motion(worlds, own[:, 0], own[:, 1:])
     rows, columns = track.frame_size
     step_s = float(np.median(np.diff(track.times_s)))
     numbers = tuple(int(track.numbers[place]) for place in (0, -1))
@@ -229,36 +234,27 @@ _AT_REST = Belief(
 
 
 def _sample() -> Track:
-    """Return a track in which something touches, turns, slides and is let go."""
-    count, kinds = 60, {Component.TURN: EventKind.TURN, Component.SLIDE: EventKind.SLIDE}
-    twists = np.zeros((count, 4))
-    twists[20:30, 0], twists[35:40, 1] = 2.0, 3.0
-    touched = (np.arange(count) >= 10) & (np.arange(count) <= 50)
-    still = Event(EventKind.TOUCH, 10, 10, 0.4, 0.4, Twist(), Span(0.0, 0.0), 1.0)
-    let_go = replace(still, kind=EventKind.RELEASE, begin=50, end=50, begin_s=2.0, end_s=2.0,
-                     component=Component.PRESS, is_let_go=True)  # fmt: skip
-    ends = {Component.TURN: (19, 29), Component.SLIDE: (34, 39)}
-    moved = [
-        replace(still, kind=kinds[part], begin=a, end=b, begin_s=a / 25, end_s=b / 25,
-                twist=Twist(*map(float, twists[a : b + 1].sum(axis=0))), component=part,
-                amount=Span(float(np.linalg.norm(twists[a : b + 1].sum(axis=0))), 0.5))
-        for part, (a, b) in ends.items()
-    ]  # fmt: skip
+    """Return a track of a second in which something touches and turns, all of it."""
+    count, step = 26, Twist(turn_deg=2.0)
+    touch = Event(EventKind.TOUCH, 0, 0, 0.0, 0.0, Twist(), Span(0.0, 0.0), 1.0)
+    turn = replace(touch, kind=EventKind.TURN, component=Component.TURN, end=25, end_s=1.0,
+                   twist=Twist(turn_deg=50.0), amount=Span(50.0, 0.5))  # fmt: skip
     return Track(
         numbers=np.arange(count),
         times_s=np.arange(count) / 25,
-        contact=np.where(touched, 0.99, 0.01),
-        strength_grey=np.where(touched, 9.0, 0.0),
-        twists=twists,
+        contact=np.ones(count),
+        strength_grey=np.full(count, 9.0),
+        twists=np.vstack([np.zeros(4), np.tile(astuple(step), (count - 1, 1))]),
         covariances=np.tile(1e-4 * np.eye(4), (count, 1, 1)),
-        radius_px=np.where(touched, 30.0, 0.0),
+        radius_px=np.full(count, 30.0),
         turn_shares=np.zeros(count),
-        events=(still, *moved, let_go),
+        events=(touch, turn),
         frame_size=(224, 224),
     )
 
 
 _SAMPLE = _sample()
+"""By which it is known what a condition needs that no recording holds, such as a pixel's size."""
 
 
 class Monitor:
@@ -270,7 +266,8 @@ class Monitor:
     Args:
         tracker: Of the stream, as of `Answerer.tracker`.
         condition: As of `Answerer.condition`.
-        stream: As of `open_source`; None where frames are pushed.
+        source: A camera or a recording, as of `open_source`, which is opened once it is iterated;
+            None where frames are pushed.
         sure: Probability with which it has to hold.
         lasting_s: For how long.
         whose: Of the object in the world where the sensor's own motion is given, or of the contact.
@@ -281,9 +278,9 @@ class Monitor:
 
     def __init__(
         self,
-        tracker: Any,
+        tracker: Tracker,
         condition: Condition,
-        stream: Any = None,
+        source: str | Path | None = None,
         *,
         sure: float = SURE,
         lasting_s: float = 0.0,
@@ -295,22 +292,29 @@ class Monitor:
             raise UsageError(f"A probability of {sure:g} was wanted, expected 0.5 to below 1.")
         if not 0 <= lasting_s < 3600:
             raise UsageError(f"A time of {lasting_s:g} s was wanted, expected 0 to an hour.")
-        self.tracker, self.condition, self.stream = tracker, condition, stream
+        self.tracker, self.condition = tracker, condition
+        self._source, self._fps = source, fps
         self._sure, self._lasting_s, self._whose = sure, lasting_s, whose
-        self._fps = stream.fps if stream is not None and fps is None else fps
         self._since, self._since_s = since, np.inf if since == "begin" else -np.inf
-        self._own: list[tuple[float, Twist]] = []
-        self._is_own_known = True
+        self._own: list[tuple[float, ...]] | None = None if whose == "contact" else []
         self._number, self._true_since_s, self.holds = -1, None, False
 
     def begin(self) -> None:
         """Let the condition be about what comes from the last frame on: the gripper has closed."""
-        self._since_s = self._own[-1][0] if self._own else -np.inf
+        self._since_s = self.tracker.time_s if self._number >= 0 else -np.inf
         self._true_since_s, self.holds = None, False
 
     def __iter__(self) -> Iterator[Verdict]:
-        """Yield the verdicts at which the condition begins to hold."""
-        with closing(iter(self.stream)) as frames:
+        """Yield the verdicts at which the condition begins to hold.
+
+        Raises:
+            MissingDependency, Stalled, UnreadableClip, UsageError: As of `open_source`.
+        """
+        if self._source is None:
+            raise UsageError("This monitor was given no source; push frames, or give one.")
+        stream = open_source(str(self._source), fps=self._fps)
+        self._fps = stream.fps
+        with closing(iter(stream)) as frames:
             for frame in frames:
                 verdict = self.push(frame.image, frame.time_s, number=frame.number)
                 if verdict.is_new:
@@ -330,7 +334,7 @@ class Monitor:
             time_s: When it was taken.
             own_motion: How the sensor moved since the frame before, as the camera's picture has it:
                 degrees clockwise, pixels of the 224-pixel square right and down, mm inward. None
-                where it is not known.
+                where it is not known: from that frame on, the first aside, all is relative.
             number: Of the frame in its recording; None counts on.
 
         Raises:
@@ -357,43 +361,38 @@ class Monitor:
             started: When it came, by `time.perf_counter`; None for now.
         """
         started = time.perf_counter() if started is None else started
-        self._number = number
-        self._is_own_known &= own_motion is not None
-        self._own.append((time_s, own_motion or Twist()))
-        track = self._track()
-        probability, worded_now = None, lambda: "Nothing can be told yet."
-        if track is not None:
-            context = Context((evidence_now(track, self._fps, self._own_motion),),
-                              self.condition.frame)  # fmt: skip
-            try:
-                probability = chance_of(self.condition.holds, context)
-            except Untold:
-                probability = None
-            worded_now = lambda: _worded(self.condition, context)  # noqa: E731
-        was = self.holds
+        is_first, self._number = self._number < 0, number
+        if own_motion is None and not is_first:  # from then on all is relative
+            self._own = None
+        elif self._own is not None:
+            self._own.append((self.tracker.time_s, *astuple(own_motion or Twist())))
+        track, was = self._track(), self.holds
+        context = None if track is None else self._context(track)
+        probability = None if context is None else self._chance(context)
         self._settle(probability, time_s)
         is_new = self.holds and not was
         if is_new and self._since == "last":
-            self._since_s = time_s
-            self.holds = False
+            self._since_s, self.holds = self.tracker.time_s, False
         return Verdict(
             time_s,
             self._number,
             probability,
             self.holds or is_new,
             is_new,
-            self._own_motion is None,
+            self._own is None,
             1e3 * (time.perf_counter() - started),
-            worded_now,
+            partial(_worded, self.condition, context),
         )
 
-    @property
-    def _own_motion(self) -> tuple[Any, Any] | None:
-        if not self._is_own_known or self._whose == "contact":
+    def _context(self, track: Track) -> Context:
+        own = None if self._own is None else np.array(self._own)
+        return Context((evidence_now(track, self._fps, own),), self.condition.frame)
+
+    def _chance(self, context: Context) -> float | None:
+        try:
+            return chance_of(self.condition.holds, context)
+        except Untold:
             return None
-        times, twists = zip(*self._own, strict=True)
-        steps = [(t.turn_deg, t.right_px, t.down_px, t.inward_mm) for t in twists]
-        return np.array(times), np.array(steps)
 
     def _track(self) -> Track | None:
         """Return what was seen since the condition is counted; None of too little."""
@@ -416,7 +415,9 @@ class Monitor:
             self.holds |= time_s - self._true_since_s >= self._lasting_s - 1e-9
 
 
-def _worded(condition: Condition, context: Context) -> str:
+def _worded(condition: Condition, context: Context | None) -> str:
+    if context is None:
+        return "Nothing can be told yet."
     value = answer(condition.holds, context)
     if isinstance(value, Unknown):
         return str(replies()["missing"].get(value.reason, replies()["missing"]["unsure"]))

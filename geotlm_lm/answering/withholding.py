@@ -13,7 +13,7 @@ from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.program import EVENTS, TWO_CLIPS, Expression, head_of
+from geotlm_lm.query.program import TWO_CLIPS, Expression, head_of, words_of
 from geotlm_lm.query.values import (
     Choice,
     Movement,
@@ -132,6 +132,4 @@ def _words(value: Value) -> Iterator[str]:
     if isinstance(value, Choice) and value.chosen and head.word in ("choose", "choose-not"):
         asked = tuple(head.arguments[0][place].holds for place in value.chosen)
     for expression in asked:
-        for each in expression:
-            yield each.word.removesuffix(EVENTS)
-            yield from (name for name in each.arguments if isinstance(name, str))
+        yield from words_of(expression)

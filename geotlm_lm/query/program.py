@@ -338,6 +338,13 @@ def head_of(expression: Expression) -> Expression:
     return expression
 
 
+def words_of(expression: Expression) -> Iterator[str]:
+    """Yield what an expression speaks of: "turn" of `amount turn` and of `turn-events` alike."""
+    for each in expression:
+        yield each.word.removesuffix(EVENTS)
+        yield from (name for name in each.arguments if isinstance(name, str))
+
+
 def asks_of_two(expression: Expression) -> bool:
     """Tell whether something is asked of two clips together."""
     words = {each.word for each in expression}

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geotlm_lm.answering.monitor import Condition, Monitor, condition_of
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.query.evaluate import Context, Evidence
@@ -30,7 +30,8 @@ def condition(line, *numbers):
 
 
 def monitor(line, *numbers, **options):
-    return Monitor(Tracker(idle=CLIP.frames[0]), condition(line, *numbers), fps=CLIP.fps, **options)
+    options = {"fps": CLIP.fps} | options
+    return Monitor(Tracker(idle=CLIP.frames[0]), condition(line, *numbers), **options)
 
 
 def verdicts(watching, clip=CLIP, own=None):
@@ -94,6 +95,19 @@ def test_counted_from_where_it_last_held_it_holds_again():
     again = verdicts(monitor("> path cw #1", (2.5, "deg"), since="last"))
     assert sum(each.is_new for each in once) == 1
     assert sum(each.is_new for each in again) > 1
+
+
+def test_a_recording_is_opened_when_it_is_iterated_and_closed_when_the_loop_is_left(tmp_path):
+    np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
+    watching = monitor("> path cw #1", (4.0, "deg"), source=tmp_path / "clip.npz")
+    (first,) = list(watching)
+    pushed = next(each for each in verdicts(monitor("> path cw #1", (4.0, "deg"))) if each.is_new)
+    assert (first.number, first.probability) == (pushed.number, pushed.probability)
+    unopened = monitor(*TURNED, source=tmp_path / "nowhere.npz")
+    with pytest.raises(UnreadableClip):
+        next(iter(unopened))
+    with pytest.raises(UsageError, match="was given no source"):
+        next(iter(monitor(*TURNED)))
 
 
 def test_counted_from_its_beginning_nothing_before_matters():
