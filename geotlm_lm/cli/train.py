@@ -49,7 +49,7 @@ def train(
 
     Example: geotlm-lm train --preset full --out runs/language --start geotlm_lm/bundle
 
-    Example: geotlm-lm train --out runs/said --start geotlm_lm/bundle --stage sentences
+    Example: geotlm-lm train --out runs/spoken --start geotlm_lm/bundle --stage sentences
 
     Example: torchrun --nproc-per-node 2 -m geotlm_lm train --out runs/default
     """
@@ -64,7 +64,7 @@ def train(
     if is_first_of_launch():
         print(f"training preset {settings.name} into {out}", file=sys.stderr)
     progress = progress_on_stderr("")
-    given = start, stage
-    folder = train_bundle(settings.name, out, seed, workers, progress, device, *given)
+    options = (seed, workers, progress, device, start, stage)
+    folder = train_bundle(settings.name, out, *options)
     if is_first_of_launch():
         print(folder)

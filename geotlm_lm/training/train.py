@@ -103,9 +103,11 @@ def train(
         MissingDependency: If there are too few GPUs.
     """
     settings = preset_named(preset)
-    # Before hours of simulation: a folder that holds none is refused.
     if stage not in STARTS:
         raise UsageError(f"There is no stage '{stage}'; choose one of {', '.join(STARTS)}.")
+    if start is None and stage != STARTS[0]:
+        raise UsageError(f"--stage {stage} goes on from a bundle; give one by --start.")
+    # Before hours of simulation: a folder that holds none is refused.
     given = None if start is None else load_bundle(start)
     torch.set_num_threads(max(workers, 1))
     cv2.setNumThreads(1)
@@ -172,7 +174,7 @@ class _Run:
         return Seen(model, bundle.motion, accuracies, validation)
 
     def language(self, seen: Seen | None, start: Path | None, stage: str) -> None:
-        """Train the language model into `out`/language, from `stage` on if there is a `start`."""
+        """Train the language model into `out`/language, from `stage` on."""
         settings, out = self.settings, self.out
         width = self.ranks.from_first(lambda: seen.model.backbone.width)
 
@@ -200,16 +202,18 @@ class _Run:
             passes=settings.question_passes,
             seed=self.seed,
         )
-        widths, passages = (width, BELIEF_NUMBERS), []
-        if start is None or stage == "language":
-            start = None
+        taught = Taught(
+            corpus("train"),
+            sentences=read_sentences(out / "sentences"),
+            widths=(width, BELIEF_NUMBERS),
+        )
+        if stage == "language":
             texts = self.ranks.from_first(lambda: english.fetch(out / "english", self.progress))
-            passages = english.passages(texts)
+            taught = replace(taught, passages=english.passages(texts))
         else:
             kept = ("english_steps", "reading_steps", "slots_steps")[: 1 + STARTS.index(stage)]
-            config, start = replace(config, **dict.fromkeys(kept, 0)), start / LANGUAGE_DIR
-        sentences = read_sentences(out / "sentences")
-        taught = Taught(corpus("train"), passages, sentences, widths, start)
+            config = replace(config, **dict.fromkeys(kept, 0))
+            taught = replace(taught, start=start / LANGUAGE_DIR)
         # On a CPU processes that draw would only wait for each other.
         drawing = 0 if self.ranks.kind == "cpu" else self.workers
         train_language(config, taught, out, self.progress, self.ranks, drawing)

@@ -167,6 +167,11 @@ def test_what_reads_and_feels_is_taken_from_a_bundle_that_learns_to_speak(finish
     assert all(name.startswith(f"model.layers.{last}.") for name in changed)
 
 
+def test_a_stage_of_nothing_is_refused(tmp_path):
+    with pytest.raises(UsageError, match="--stage slots goes on from a bundle; give one by"):
+        train.train("tiny", tmp_path, seed=3, workers=1, stage="slots")
+
+
 def test_an_unknown_stage_is_refused(tmp_path):
     with pytest.raises(UsageError, match="no stage 'end'; choose one of language, slots"):
         train.train("tiny", tmp_path, seed=3, workers=1, stage="end")
