@@ -122,8 +122,8 @@ class Api:
             if time_s > most_s:
                 break
             verdict = monitor.push(image, time_s, number=number)
-            waited = verdict.to_dict() if verdict.holds else waited
             if verdict.holds:
+                waited = verdict.to_dict()
                 break
             if report is not None:
                 report(f"waiting until {understood.restated}", number, clip.recorded_frames)

@@ -24,6 +24,8 @@ READ = {
     "Which way does it go?": "way all",
     "When did it stop?": "end last move-events",
     "How far did it go?": "extent",
+    "it has turned 20 degrees clockwise": "~ amount cw #1",
+    "it has turned 300 degrees": "~ amount turn #1",
     "I look from the object's side.": "fact seen object",
     "0.05 mm per pixel. Which way?": "fact scale #1 ; way all",
 }

@@ -203,6 +203,23 @@ def bomb(path):
         archive.writestr("frames.npy", lead + header + bytes(10**6))
 
 
+def test_an_agent_waits_for_a_condition_in_a_recording(use):
+    conditions = "it has turned 20 degrees clockwise", "it has turned 300 degrees"
+    calls = [("wait_until", {"recording": "turn.npz", "condition": each}) for each in conditions]
+    calls += [("wait_until", calls[0][1] | {"most_s": 1.0})]
+    calls += [("wait_until", {"recording": "turn.npz", "condition": "way all"})]
+    reached, never, early, refused = use(*calls)
+    # It turns by 30 degrees from frame 25 to 45, at 25 frames a second.
+    assert reached.structuredContent["holds"]
+    assert 38 <= reached.structuredContent["frame"] <= 45
+    assert reached.structuredContent["read_as"] == "it turns clockwise by more than 20 degrees"
+    for answer in (never, early):
+        assert not answer.isError
+        assert not answer.structuredContent["holds"]
+        assert "frame" not in answer.structuredContent
+    assert_refused(refused, "The condition 'way all' was read as which way it moves, expected")
+
+
 def test_pickles_and_bombs_are_refused_in_one_sentence(use, tmp_path):
     np.save(tmp_path / "object.npy", np.array([Planted()], dtype=object), allow_pickle=True)
     (tmp_path / "plain.pkl").write_bytes(pickle.dumps(Planted()))
