@@ -141,22 +141,21 @@ class SequenceDecoder:
             sight: What each of them sees of all there are then, (s, length); None for all up to
                 itself.
         """
-        return self._through(x, cache, sight, cache.length)[0]
+        return self._through(x, cache, sight)[0]
 
     def speak(self, x: Floats, cache: TextCache, sight: NDArray[np.bool_] | None = None) -> Floats:
         """Return the states that sentences are read from, as `read` does."""
-        return self._through(x, cache, sight, cache.length, is_spoken=True)[1]
+        return self._through(x, cache, sight, is_spoken=True)[1]
 
     def _through(
         self,
         x: Floats,
         cache: TextCache,
         sight: NDArray[np.bool_] | None,
-        before: int,
         is_spoken: bool = False,
     ) -> tuple[Floats, Floats]:
         """Return the states behind the layers that read, and behind those that speak."""
-        count = len(x)
+        before, count = cache.length, len(x)
         cache.length = before + count
         hidden = None
         if sight is None and count > 1:
@@ -185,7 +184,7 @@ class SequenceDecoder:
         """
         embedded = np.concatenate([self._prefix(numbers), self.embeddings[list(slot_ids)]])
         cache = self.started(len(embedded), position=0)
-        states, _ = self._through(embedded, cache, sight_of_clip(), 0, is_spoken=True)
+        states, _ = self._through(embedded, cache, sight_of_clip(), is_spoken=True)
         return cache, self.logits(states[PREFIX:])
 
     def _prefix(self, numbers: Floats) -> Floats:
