@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geotlm_lm.answering import Answerer
 from geotlm_lm.answering.monitor import Monitor, Verdict
@@ -38,6 +38,13 @@ SLOWLY_DEG, SLOW = 10.0, 10.0
 PULL_S = 4.0
 """For how long an object is pulled."""
 
+WORDS = "conditions in words"
+OTHERS: dict[str, Callable[[Gripper], float]] = {
+    "counts the commanded angle": lambda gripper: gripper.commanded_deg,
+    "knows the true angle": lambda gripper: gripper.turned_deg,
+}
+"""Controllers: by a condition, and by an angle that is known otherwise."""
+
 
 @dataclass(frozen=True)
 class Ended:
@@ -49,21 +56,24 @@ class Ended:
     latency_ms: tuple[float, ...] = ()
 
 
-def _judged(monitor: Monitor, gripper: Gripper, rate: float) -> Verdict:
-    """Move the gripper on by a frame, which is judged; it counts from when the object is held."""
+def _judged(gripper: Gripper, rate: float, monitor: Monitor, *others: Monitor) -> Verdict:
+    """Move the gripper on by a frame and return the first monitor's verdict; all see one track.
+
+    They count from when the object is held.
+    """
     was_ready = gripper.is_ready
     seen = gripper.step(rate)
     verdict = monitor.push(seen.frame, seen.time_s, seen.own_motion)
+    for each in others:
+        each.judged(seen.time_s, verdict.number, seen.own_motion)
     if gripper.is_ready and not was_ready:
-        monitor.begin()
+        for each in (monitor, *others):
+            each.begin()
     return verdict
 
 
 def turn_by_words(answerer: Answerer, gripper: Gripper) -> Ended:
-    """Tighten until the sensor tells that the cap has turned far enough, slowly when it nearly has.
-
-    Both conditions look at one track.
-    """
+    """Tighten until the sensor shows the cap turned far enough; slowly near the end."""
     goal, rate = gripper.setting.goal, gripper.setting.rate
     options = {"fps": gripper.fps, "sure": SURE, "since": "begin"}
     done = answerer.monitor(None, f"it has turned {goal:g} degrees clockwise", **options)
@@ -71,16 +81,10 @@ def turn_by_words(answerer: Answerer, gripper: Gripper) -> Ended:
     near = Monitor(done.tracker, answerer.condition(words), **options)
     latency = []
     while gripper.time_s < LONGEST_S:
-        was_ready = gripper.is_ready
-        seen = gripper.step(min(rate, SLOW) if near.holds else rate)
-        verdict = done.push(seen.frame, seen.time_s, seen.own_motion)
-        near.judged(seen.time_s, verdict.number, seen.own_motion)
+        verdict = _judged(gripper, min(rate, SLOW) if near.holds else rate, done, near)
         latency.append(verdict.latency_ms)
         if verdict.holds:
             return Ended(gripper, gripper.time_s, latency_ms=tuple(latency))
-        if gripper.is_ready and not was_ready:
-            done.begin()
-            near.begin()
     return Ended(gripper, None, latency_ms=tuple(latency))
 
 
@@ -101,7 +105,7 @@ def pull_by_words(answerer: Answerer, gripper: Gripper) -> Ended:
     monitor = answerer.monitor(None, condition, frame=frame, **options)
     due, latency = _slips_s(gripper.again()), []
     while gripper.time_s < PULL_S and (due is None or gripper.time_s < due + 1):
-        verdict = _judged(monitor, gripper, gripper.setting.rate)
+        verdict = _judged(gripper, gripper.setting.rate, monitor)
         latency.append(verdict.latency_ms)
         if verdict.holds:
             return Ended(gripper, gripper.time_s, due, tuple(latency))
@@ -123,7 +127,7 @@ def loosen_by_words(answerer: Answerer, gripper: Gripper) -> Ended:
     monitor = answerer.monitor(None, "contact is lost", fps=gripper.fps, sure=SURE, since="begin")
     latency = []
     while gripper.time_s < LONGEST_S:
-        verdict = _judged(monitor, gripper, -gripper.setting.rate)
+        verdict = _judged(gripper, -gripper.setting.rate, monitor)
         latency.append(verdict.latency_ms)
         if verdict.holds:
             return Ended(gripper, gripper.time_s, gripper.lost_s, tuple(latency))
@@ -135,19 +139,21 @@ def loosen_by_words(answerer: Answerer, gripper: Gripper) -> Ended:
 def _loop_rows(run: Run) -> Iterator[Row]:
     seeds = run.size(SEEDS, QUICK_SEEDS)
     turned = list(_ended(run, "tighten", turn_by_words, seeds))
-    yield from _turn_rows("all", turned)
+    yield _turn_row("all", WORDS, turned)
+    for variant, angle in OTHERS.items():
+        yield _turn_row("all", variant, [turn_by(each.gripper.again(), angle) for each in turned])
     for name, part in (("friction", "friction"), ("load", "load"), ("speed", "rate")):
         middle = float(np.median([getattr(each.gripper.setting, part) for each in turned]))
         sides: dict[str, list[Ended]] = {"low": [], "high": []}
         for each in turned:
             sides["high" if getattr(each.gripper.setting, part) > middle else "low"].append(each)
         for side, chosen in sides.items():
-            yield _turn_row(f"{side} {name}", "conditions in words", chosen)
+            yield _turn_row(f"{side} {name}", WORDS, chosen)
     for fps in run.size(RATES_HZ, ()):
-        other = list(_ended(run, "tighten", turn_by_words, RATE_SEEDS, fps))
-        yield _turn_row(f"{fps:g} frames a second", "conditions in words", other)
+        at_rate = list(_ended(run, "tighten", turn_by_words, RATE_SEEDS, fps))
+        yield _turn_row(f"{fps:g} frames a second", WORDS, at_rate)
     yield from _pull_rows(list(_ended(run, "pull", pull_by_words, seeds)))
-    yield from _loosen_rows(list(_ended(run, "loosen", loosen_by_words, seeds)))
+    yield _loosen_row(list(_ended(run, "loosen", loosen_by_words, seeds)))
 
 
 def _ended(
@@ -162,87 +168,64 @@ def _ended(
         yield controller(run.answerer, Gripper(task, seed, fps))
 
 
-def _turn_rows(case: str, turned: list[Ended]) -> Iterator[Row]:
-    yield _turn_row(case, "conditions in words", turned)
-    others = {
-        "counts the commanded angle": lambda gripper: gripper.commanded_deg,
-        "knows the true angle": lambda gripper: gripper.turned_deg,
-    }
-    for variant, angle in others.items():
-        yield _turn_row(case, variant, [turn_by(each.gripper.again(), angle) for each in turned])
-
-
 def _turn_row(case: str, variant: str, ended: list[Ended]) -> Row:
     errors = np.array([each.gripper.turned_deg - each.gripper.setting.goal for each in ended])
-    is_right = np.abs(errors) <= GOAL_DEG
-    return Row(
-        f"turned to the goal, {case}",
-        variant,
-        count=len(ended),
-        error=float(1 - is_right.mean()),
-        detail={
-            "median": round(float(np.median(np.abs(errors))), 2),
-            "worst": round(float(np.abs(errors).max()), 1),
-            "unit": "deg",
-        },
-        **_latency(ended),
-    )
+    off = np.abs(errors)
+    return _row(f"turned to the goal, {case}", variant, off <= GOAL_DEG, off, "deg", ended)
 
 
 def _pull_rows(ended: list[Ended]) -> Iterator[Row]:
-    due = [each for each in ended if each.due_s is not None]
-    lags = np.array([math.inf if each.stopped_s is None else each.stopped_s - each.due_s
-                     for each in due])  # fmt: skip
-    yield _lag_row("slip beyond 0.3 mm caught within 0.2 s", lags, ended)
-    stopped = [each for each in ended if each.stopped_s is not None]
-    early = [each.gripper.slid_mm for each in stopped
-             if each.gripper.slid_mm < SLIP_MM - NEAR_MM]  # fmt: skip
-    yield Row(
-        "no stop at a slip below 0.2 mm",
-        "conditions in words",
-        len(ended),
-        len(early) / len(ended),
-        detail={
-            "median": round(float(np.median(early)), 2) if early else None,
-            "worst": round(min(early), 2) if early else None,
-            "unit": "mm",
-        },
+    yield _lag_row(
+        "slip beyond 0.3 mm caught within 0.2 s", [each for each in ended if each.due_s is not None]
     )
+    slid = np.array([each.gripper.slid_mm for each in ended])
+    is_early = (slid < SLIP_MM - NEAR_MM) & [each.stopped_s is not None for each in ended]
+    yield _row("no stop at a slip below 0.2 mm", WORDS, ~is_early, slid[is_early], "mm", ended)
 
 
-def _loosen_rows(ended: list[Ended]) -> Iterator[Row]:
-    lags = np.array([math.inf if None in (each.stopped_s, each.due_s)
+def _loosen_row(ended: list[Ended]) -> Row:
+    return _lag_row("lost contact known within 0.2 s", ended)
+
+
+def _lag_row(case: str, ended: list[Ended]) -> Row:
+    lags = np.array([np.inf if None in (each.stopped_s, each.due_s)
                      else each.stopped_s - each.due_s for each in ended])  # fmt: skip
-    yield _lag_row("lost contact told within 0.2 s", lags, ended)
+    is_right = np.abs(lags) <= CAUGHT_S + 1e-9
+    return _row(case, WORDS, is_right, lags[np.isfinite(lags)], "s", ended)
 
 
-def _lag_row(case: str, lags: np.ndarray, ended: list[Ended]) -> Row:
-    known = lags[np.isfinite(lags)]
-    return Row(
-        case, "conditions in words", len(lags), float(1 - (np.abs(lags) <= CAUGHT_S + 1e-9).mean()),
-        detail={"median": round(float(np.median(known)), 3), "worst": round(float(known.max()), 2),
-                "unit": "s"},
-        **_latency(ended),
-    )  # fmt: skip
+def _row(
+    case: str,
+    variant: str,
+    is_right: NDArray[np.bool_],
+    off: NDArray[np.float64],
+    unit: str,
+    ended: list[Ended],
+) -> Row:
+    """Return what became of some runs: the share that is right, and how far off they are."""
+    detail = {"unit": unit}
+    if len(off):
+        detail |= {"median": round(float(np.median(off)), 3), "worst": round(float(off.max()), 2)}
+    latency = [each for run in ended for each in run.latency_ms]
+    if latency:
+        detail |= dict(zip(("ms_p50", "ms_p99"), spread_ms(latency), strict=True))
+    return Row(case, variant, len(is_right), float(1 - np.mean(is_right)), detail=detail)
 
 
-def _latency(ended: list[Ended]) -> dict[str, float]:
-    taken = [each for run in ended for each in run.latency_ms]
-    if not taken:
-        return {}
-    return {
-        "ms_p50": round(float(np.median(taken)), 2),
-        "ms_p95": round(float(np.quantile(taken, 0.99)), 1),
-    }
+def spread_ms(latency: Sequence[float]) -> tuple[float, float]:
+    """Return which times half and 99 of 100 frames keep within, ms."""
+    half, most = np.quantile(latency, (0.5, 0.99))
+    return round(float(half), 2), round(float(most), 1)
 
 
 def _off(row: Row) -> str:
-    detail = row.detail
-    return (
-        "-"
-        if detail["median"] is None
-        else f"{detail['median']:g} / {detail['worst']:g} {detail['unit']}"
-    )
+    if "median" not in row.detail:
+        return "-"
+    return "{median:g} / {worst:g} {unit}".format_map(row.detail)
+
+
+def _latency(row: Row) -> str:
+    return "{ms_p50:.1f} / {ms_p99:.0f}".format_map(row.detail) if "ms_p50" in row.detail else "-"
 
 
 LOOP = Section(
@@ -265,9 +248,7 @@ the next. A turn is right within 3 degrees of its goal.""",
                     "n": lambda row: str(row.count),
                     "right": lambda row: f"{row.right:.3f}",
                     "median / worst": _off,
-                    "ms, half / 99 of 100 frames": lambda row: (
-                        "-" if row.ms_p50 is None else f"{row.ms_p50:.1f} / {row.ms_p95:.0f}"
-                    ),
+                    "ms, half / 99 of 100 frames": _latency,
                 }
             ),
             lambda row: True,

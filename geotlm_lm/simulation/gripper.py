@@ -2,8 +2,9 @@
 
 The sensor is pressed on the object's face. What the object does follows from the grip: it carries
 tangential load elastically up to Coulomb's limit and slips beyond (an elastic, perfectly plastic
-contact; Johnson, Contact Mechanics, 1985, 7.2 and 7.4). Stiffness and limit are those of the
-solved contact. A turn is positive clockwise in the image; lengths are mm.
+contact; Johnson, Contact Mechanics, 1985, 7.2 and 7.4). The limit follows from the pressure of the
+solved contact, the stiffness is that of a disc of its area on a half-space. A turn is positive
+clockwise in the image; lengths are mm.
 """
 
 from __future__ import annotations
@@ -194,7 +195,7 @@ class Gripper:
         name = OBJECTS[int(rng.integers(len(OBJECTS)))]
         scene = random_scene(rng, object_name=name, motion=Motion.STILL)
         scene = replace(scene, gel=replace(scene.gel, friction=self.setting.friction))
-        self.object_name, self.mm_per_px = name, scene.optics.mm_per_px
+        self.mm_per_px = scene.optics.mm_per_px
         # Held about its middle, as a gripper takes it.
         place = (float(rng.uniform(*HELD_DEPTH_MM)), *rng.uniform(-OFF_MM, OFF_MM, 2).tolist())
         pose = (*place, scene.path.rotation_rad[0])
