@@ -33,7 +33,7 @@ def agrees(query, truth, *ways, **far):
     program = read(query)
     values = answers(program, (evidence,), FRAME)
     teller = Teller(evidence.recording, FRAME)
-    told = Worded(values, worded(values, program.form, teller), teller, 1.0)
+    told = Worded(values, worded(values, program.form, teller), teller, 1.0, (False,) * len(values))
     return TrueAnswers.of(evidence, truth).agree(told, program, FRAME)
 
 
