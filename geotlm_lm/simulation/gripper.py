@@ -248,8 +248,8 @@ class Gripper:
         Args:
             rate: Degrees clockwise, or mm to the right, a second; nothing moves before `is_ready`.
         """
+        step = rate / self.fps if self.is_ready else 0.0  # from a frame on at which it is held
         self._count += 1
-        step = rate / self.fps if self.is_ready else 0.0
         if self.task != "pull":
             step = math.radians(step)
         self._wrist += step
