@@ -45,10 +45,9 @@ from geotlm_lm.benchmarks.judging import (
     ask_all,
     milliseconds,
     rows_of_replies,
-    timed,
 )
 from geotlm_lm.benchmarks.rendering import number, save_figure
-from geotlm_lm.benchmarks.variants import GENERATED, PROBE, QUESTION, all_variants
+from geotlm_lm.benchmarks.variants import GENERATED, PROBE, QUESTION, all_variants, rival
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
@@ -129,7 +128,7 @@ def with_front(rows: Sequence[Row]) -> list[Row]:
 
 
 def _method_rows(run: Run) -> Iterator[Row]:
-    methods = {name: timed(rival.predict) for name, rival in CLASSICAL.items()}
+    methods = {name: rival(fit.predict) for name, fit in CLASSICAL.items()}
     own = all_variants(run.answerer, run.seed)
     methods |= {"linear probe": own[PROBE], "words": own[GENERATED]}
     for case_set in case_sets(run):
