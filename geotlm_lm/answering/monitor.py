@@ -371,13 +371,13 @@ class Monitor:
         probability = None if context is None else self._chance(context)
         self._settle(probability, time_s)
         is_new = self.holds and not was
-        if is_new and self._since == "last":
-            self._since_s, self.holds = self.tracker.time_s, False
+        if is_new and self._since == "last":  # once for each time: it has to end before it is new
+            self._since_s = self.tracker.time_s
         return Verdict(
             time_s,
             self._number,
             probability,
-            self.holds or is_new,
+            self.holds,
             is_new,
             self._own is None,
             1e3 * (time.perf_counter() - started),

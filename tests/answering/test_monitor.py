@@ -97,6 +97,12 @@ def test_counted_from_where_it_last_held_it_holds_again():
     assert sum(each.is_new for each in again) > 1
 
 
+def test_what_goes_on_is_new_once_though_it_is_counted_from_where_it_last_held():
+    seen = verdicts(monitor("touch", since="last"))
+    assert sum(each.holds for each in seen) > 5
+    assert sum(each.is_new for each in seen) == 1
+
+
 def test_a_recording_is_opened_when_it_is_iterated_and_closed_when_the_loop_is_left(tmp_path):
     np.savez(tmp_path / "clip.npz", frames=CLIP.frames, fps=CLIP.fps)
     watching = monitor("> path cw #1", (4.0, "deg"), source=tmp_path / "clip.npz")
