@@ -152,7 +152,7 @@ def _loop_rows(run: Run) -> Iterator[Row]:
     for fps in run.size(RATES_HZ, ()):
         at_rate = list(_ended(run, "tighten", turn_by_words, RATE_SEEDS, fps))
         yield _turn_row(f"{fps:g} frames a second", WORDS, at_rate)
-    yield from _pull_rows(list(_ended(run, "pull", pull_by_words, seeds)))
+    yield from pull_rows(list(_ended(run, "pull", pull_by_words, seeds)))
     yield _loosen_row(list(_ended(run, "loosen", loosen_by_words, seeds)))
 
 
@@ -174,7 +174,8 @@ def _turn_row(case: str, variant: str, ended: list[Ended]) -> Row:
     return _row(f"turned to the goal, {case}", variant, off <= GOAL_DEG, off, "deg", ended)
 
 
-def _pull_rows(ended: list[Ended]) -> Iterator[Row]:
+def pull_rows(ended: list[Ended]) -> Iterator[Row]:
+    """Yield how many slips were caught in time, and how many pulls were not stopped without one."""
     slid = np.array([each.gripper.slid_mm for each in ended])
     lags = _lags_s(ended)
     due = np.array([each.due_s is not None for each in ended])

@@ -1,9 +1,19 @@
 """A gripper is stopped by what its sensor sees, and by nothing else."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from geotlm_lm.benchmarks.harness import Run
-from geotlm_lm.benchmarks.loop import LOOP, loosen_by_words, pull_by_words, turn_by, turn_by_words
+from geotlm_lm.benchmarks.loop import (
+    LOOP,
+    Ended,
+    loosen_by_words,
+    pull_by_words,
+    pull_rows,
+    turn_by,
+    turn_by_words,
+)
 from geotlm_lm.benchmarks.watching import WATCHING
 from geotlm_lm.simulation.gripper import Gripper
 
@@ -23,6 +33,22 @@ def test_a_slip_is_caught_and_lost_contact_is_told(answerer):
     assert pulled.stopped_s - pulled.due_s <= 0.2
     loosened = loosen_by_words(answerer, Gripper("loosen", seed=2))
     assert abs(loosened.stopped_s - loosened.due_s) <= 0.2
+
+
+@pytest.mark.parametrize(
+    ("slid_mm", "stopped_s", "is_caught", "is_no_false_stop"),
+    [
+        (0.31, 2.0, True, True),
+        (0.25, 1.5, True, True),  # near to it both to stop and to go on is right
+        (0.15, 1.5, False, False),
+        (0.5, 2.3, False, True),
+        (0.9, None, False, True),
+    ],
+)
+def test_a_slip_is_caught_near_its_limit_and_soon(slid_mm, stopped_s, is_caught, is_no_false_stop):
+    gripper = SimpleNamespace(slid_mm=slid_mm)
+    caught, kept = pull_rows([Ended(gripper, stopped_s, due_s=2.0)])
+    assert (caught.error == 0, kept.error == 0) == (is_caught, is_no_false_stop)
 
 
 @pytest.mark.slow

@@ -53,6 +53,17 @@ def test_a_stiffer_press_holds_more():
         assert 0 < one.stiffness < other.stiffness
 
 
+@pytest.mark.parametrize("task", ["tighten", "pull"])
+def test_the_wrist_rests_in_the_frame_from_which_on_the_object_is_held(task):
+    gripper = Gripper(task, seed=5, is_seen=False)
+    while not gripper.is_ready:
+        own = gripper.step(gripper.setting.rate).own_motion
+    assert gripper.slid_mm == gripper.commanded_deg == own.turn_deg == own.right_px == 0
+    own = gripper.step(gripper.setting.rate).own_motion
+    assert gripper.commanded_deg > 0
+    assert own.turn_deg + own.right_px > 0
+
+
 @pytest.mark.parametrize("task", ["tighten", "pull", "loosen"])
 def test_mechanics_do_not_depend_on_being_seen(task):
     seen = Gripper(task, seed=5)
