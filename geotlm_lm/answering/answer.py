@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Literal
 
 from geotlm_lm.answering.measured_motion import MeasuredMotion
@@ -39,8 +41,6 @@ class Answer:
         notes: What was guessed or chosen on the way, one sentence each.
         decided: The word that this answer is, such as "yes", "clockwise" or "13 deg": what a
             program reads. None when nothing was decided.
-        told_by: Whose sentence it is: "model" where the language model says the same word for word,
-            its numbers copied from the value; else "rule".
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
             question asks something else or there is no such amount.
         motion: Every component at once, whatever was asked, in the frame that `direction` is in.
@@ -51,6 +51,7 @@ class Answer:
         point_of_view: That was named last, in words; None where none was.
         question: As it was typed.
         written: The program as the model wrote it, numbers and copied words as slots.
+        is_own: What tells whether the language model says the same word for word.
     """
 
     text: str
@@ -65,7 +66,6 @@ class Answer:
     frames_used: tuple[int, ...]
     notes: tuple[str, ...] = ()
     decided: str | None = None
-    told_by: Literal["model", "rule"] = "rule"
     amount: Measure | None = None
     motion: MeasuredMotion | None = None
     query: str = ""
@@ -75,6 +75,16 @@ class Answer:
     values: tuple[Value, ...] = ()
     question: str = ""
     written: str = ""
+    is_own: Callable[[], bool] = field(default=bool, repr=False, compare=False)
+
+    @cached_property
+    def told_by(self) -> Literal["model", "rule"]:
+        """Whose sentence it is, worked out when first asked for.
+
+        "model" where the language model says the same word for word, its numbers copied from the
+        value; else "rule".
+        """
+        return "model" if self.is_own() else "rule"
 
     @property
     def edit(self) -> Edit:

@@ -40,7 +40,9 @@ class Asked:
         return tuple(evidence_of(clip, seed) for seed, clip in enumerate(self.clips))
 
     def says(self, question: str, written: str, text: str) -> bool:
-        """Tell whether an answer is what the language model itself says of the clip."""
+        """Tell whether an answer is what the language model itself says; it sees one clip."""
+        if len(self.clips) > 1:
+            return False
         return self.bundle.speaker.says(self.clips[-1].prefix, question, written, text)
 
     def values(self, program: Program) -> tuple[Value, ...]:

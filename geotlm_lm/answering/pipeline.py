@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from geotlm_lm.answering.answer import Answer, Comparison
 from geotlm_lm.answering.asked import Asked
@@ -133,7 +134,7 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
         answer_words.sure,
         answer_words.wording.text,
     )
-    is_own = len(asked.clips) == 1 and asked.says(understood.question, understood.written, text)
+    is_own = partial(asked.says, understood.question, understood.written, text)
     is_talk = all(isinstance(each, Remark) for each in values)
     if head_of(program.answers[0]).word in ("why", "why-of"):
         text = " ".join([*evidence.reasons, f"Therefore: {text[:1].lower()}{text[1:]}"])
@@ -149,7 +150,7 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     return replace(
         plain,
         text=text,
-        told_by="model" if is_own else "rule",
+        is_own=is_own,
         kind=type_of(program.answers[0]),
         notes=(*plain.notes, *_notes(values, teller.recording, evidence)),
         abstained=is_abstained,
