@@ -108,6 +108,7 @@ class Measure:
     tolerance: float
     decimals: int | None = None
     is_padded: bool = False  # all decimals are written
+    is_signed: bool = False  # a difference, which may be below zero
 
     @property
     def value(self) -> float:
@@ -122,7 +123,8 @@ class Measure:
     def span(self) -> tuple[float, float]:
         """The ends between which it lies nine times in ten, rounded outwards; holds the value."""
         far = SPAN_DEVIATIONS * self.deviation
-        low = self.mean - far if self.atom in WAY_ATOMS else max(self.mean - far, 0.0)
+        is_signed = self.is_signed or self.atom in WAY_ATOMS
+        low = self.mean - far if is_signed else max(self.mean - far, 0.0)
         low, high = 0.0 - _two_digits_up(-low), _two_digits_up(self.mean + far)
         return min(low, self.value), max(high, self.value)
 

@@ -95,7 +95,12 @@ def answer(expression: Expression, context: Context) -> Value:
             return _either(*_placed(expression, context))
         return _TELLS[p.type_of(expression)](expression, context)
     except Untold as lacks:
-        return Unknown(of=expression, reason=str(lacks), edit=context.view)
+        supposing = None
+        if str(lacks) == "thread":
+            frame = replace(context.frame, thread=context.frame.thread or "right",
+                            contact_side=context.frame.contact_side or "head")  # fmt: skip
+            supposing = answer(expression, replace(context, frame=frame))
+        return Unknown(of=expression, reason=str(lacks), edit=context.view, supposing=supposing)
 
 
 _AROUND = (*EDIT_WORDS, *MOVERS, "of-first", "of-second", "of-previous", "within", "at", "plain")
@@ -212,16 +217,14 @@ def _motion_of(components: tuple[Component, ...], context: Context) -> Moved | N
 
 def _amount(expression: Expression, context: Context) -> Value:
     numbers = evaluate(expression, context)
-    middle(context, numbers.values)
     inner, placed = _placed(expression, context)
     components = tuple(context.trace.components)
     motion = moved(placed, components) if components else None
     measure = p.measure_of(inner)
-    if motion is not None and measure.word in p.GOING:
-        (atom,) = measure.arguments
-        along = moved_along(placed, atom) if atom in ("x", "y") else motion
-        if set(components) <= _unmoved(motion, components) or along.still_axis is not None:
-            return replace(along, of=expression)
+    at_rest = None if motion is None else _at_rest(inner, motion, components, placed)
+    if at_rest is not None:
+        return replace(at_rest, of=expression)
+    middle(context, numbers.values)
     amount, right = spread(numbers, _moving(placed, components), context)
     rounded = next((each.arguments[0] for each in expression if each.word == "round"), None)
     if rounded is not None:
@@ -239,6 +242,24 @@ def _amount(expression: Expression, context: Context) -> Value:
         both=tuple(_both_ways(measure, motion, placed)),
         edit=placed.view, shown=of_components(shown_in(placed), components or COMPONENTS),
     )  # fmt: skip
+
+
+def _at_rest(
+    inner: Expression, motion: Moved, components: tuple[Component, ...], context: Context
+) -> Moved | None:
+    """Return that what is measured, or measured by, does not move; None where it does."""
+    measure = p.measure_of(inner)
+    if measure.word in p.GOING and measure.arguments[0] in ("x", "y"):
+        motion = moved_along(context, *measure.arguments)
+        if motion.still_axis is not None:
+            return motion
+    if inner.word in ("/", "percent-of"):
+        context = replace(context, trace=Trace())
+        evaluate(inner.arguments[1], context)
+        components = tuple(context.trace.components)
+    elif measure.word not in p.GOING:
+        return None
+    return motion if components and set(components) <= _unmoved(motion, components) else None
 
 
 def _both_ways(measure: Expression, motion: Moved | None, context: Context) -> Iterator[Measure]:
@@ -385,6 +406,9 @@ def _remark(expression: Expression, context: Context) -> Value:
         return Placed(of=expression, across=across, down=down, share=placed.evidence.area.share,
                       edit=placed.view)  # fmt: skip
     topic = inner.arguments[0] if inner.arguments else None
+    frame = placed.frame
+    if topic == "world" and (frame.turn_deg or frame.image_mirrored):  # the mounting is stated
+        return replace(moved(placed, ()), of=of("way", "all"))
     return Remark(of=expression, kind=word, topic=topic, recording=placed.evidence.recording,
                   edit=placed.view)  # fmt: skip
 

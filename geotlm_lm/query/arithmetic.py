@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.query import program as p
 from geotlm_lm.query.evaluate import (
@@ -34,9 +35,20 @@ def _number(value: float):
 def _sum(sign: int):
     def added(context: Context, left: Expression, right: Expression) -> Numbers:
         one, two = compared(context, left, right)
-        return one.also(one.values + sign * two.values, atom=one.atom if one.unit else None)
+        # A sum is right where its terms are.
+        slack = max(_slack(one), _slack(two))
+        return one.also(one.values + sign * two.values, atom=one.atom if one.unit else None,
+                        slack=slack, is_signed=sign < 0)  # fmt: skip
 
     return added
+
+
+def _slack(term: Numbers) -> float:
+    """Return by how much a measured term may be wrong and still counts as right."""
+    known = term.values[np.isfinite(term.values)]
+    is_measured = bool(term.unit) and known.size > 0 and float(np.ptp(known)) > 0
+    far = RELATIVE_TOLERANCE * float(np.median(np.abs(known))) if is_measured else 0.0
+    return max(far, term.slack, term.tolerance)
 
 
 def _times(context: Context, left: Expression, right: Expression) -> Numbers:

@@ -88,6 +88,8 @@ class Numbers:
     unit: str  # "deg", "px", "mm", "s", "frame", "percent", "" of a count; "deg/s" of a speed
     tolerance: float = 0.0  # least error that still counts as right
     atom: str | None = None  # what is measured, a word of `program.MEASURED`
+    slack: float = 0.0  # error that the terms of a sum may have
+    is_signed: bool = False  # a difference, which may be below zero
 
     def also(self, values: Floats, **changes: Any) -> Numbers:
         """Return other values of the same kind."""

@@ -29,9 +29,11 @@ from geotlm_lm.query.program import (
     Program,
     head_of,
     normal,
+    number,
     of,
     type_of,
 )
+from geotlm_lm.query.quantities import Quantity
 
 OPEN = Program((of("way", "all"),))
 """What is taken to have been asked where nothing was."""
@@ -97,10 +99,22 @@ def _asked(answer: Expression) -> Expression:
 def _of_subject(answer: Expression, last: Expression) -> Expression:
     """Return "how far?" or "how fast?" of what was spoken of last."""
     head, subject = head_of(answer), _subject(last)
+    if head.word in (">", "<", "~") and head.arguments[0] == of("amount", "move"):
+        return _of_measure(head, head_of(last)) or answer
     is_open = head.word == "extent" or head in (of("speed", "move"), of("top-speed", "move"))
     if not is_open or subject is None:
         return answer
     return _of_another(answer, subject if subject in ("x", "y") else COMPONENT[subject].value)
+
+
+def _of_measure(comparison: Expression, last: Expression) -> Expression | None:
+    """Return "more than 20?" as of the number that was asked about last; None where none was."""
+    bare = comparison.arguments[1].value
+    measure = _as_number(last, "") if last.word in _COMPARED else last
+    if type_of(measure) != "number" or not isinstance(bare, Quantity) or bare.unit:
+        return None
+    before = (each.value.unit for each in last if isinstance(each.value, Quantity))
+    return of(comparison.word, measure, number(replace(bare, unit=next(before, ""))))
 
 
 def _leans(expression: Expression) -> bool:

@@ -7,12 +7,14 @@ so.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.edit import opposite
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component
@@ -54,8 +56,10 @@ def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tupl
         counts, often = np.unique(values[known], return_counts=True)
         middle = counts[often.argmax()]
     deviation = float(high - low) / (2 * SPAN_DEVIATIONS)
-    amount = Measure(numbers.atom or "", float(middle), deviation, numbers.unit, numbers.tolerance)
+    amount = Measure(numbers.atom or "", float(middle), deviation, numbers.unit,
+                     numbers.tolerance, is_signed=numbers.is_signed)  # fmt: skip
     far = np.maximum(numbers.tolerance, RELATIVE_TOLERANCE * np.abs(values)) * bool(numbers.unit)
+    far = np.maximum(far, numbers.slack)
     far = np.where(numbers.unit == "" and numbers.tolerance > 0, numbers.tolerance, far)
     if numbers.unit in UNITS["time"]:  # as exact as frames are
         amount = replace(amount, decimals=_decimals(numbers.unit, context))
@@ -196,6 +200,8 @@ def _limits(context: Context, denied: tuple[Component, ...], *, is_at_rest: bool
     belief, recording = context.worlds.belief, context.evidence.recording
     if not belief.limits:
         return ()
+    if context.begin is not None and context.worlds.track is not None:
+        belief = replace(belief, limits=_limits_within(context) or belief.limits)
     # What the picture does not tell, an edge's travel along itself, has no limit.
     seen, slide = belief.at_limit, Component.SLIDE
     both = [part for part in (slide, Component.TURN) if belief.readable.get(part, True)]
@@ -213,6 +219,15 @@ def _limits(context: Context, denied: tuple[Component, ...], *, is_at_rest: bool
             measure(part.value, seen, context.frame, recording, unit) for unit in units
         )))  # fmt: skip
     return tuple(limits)
+
+
+def _limits_within(context: Context) -> Mapping[Component, float]:
+    """Return the limits of the span that is asked about; none where it holds no two frames."""
+    ends = (middle(context, each) for each in context.span)
+    try:
+        return context.worlds.track.between(*ends, unit="s").limits
+    except UsageError:
+        return {}
 
 
 def moved_along(context: Context, axis: str) -> Moved:
@@ -299,4 +314,4 @@ def shown(context: Context, happening: Happening) -> Shown:
     path = float(np.median(happening.path_px[is_real])) if is_real.any() else 0.0
     way = way_of(happening.kind, mean)
     return Shown(happening.kind, way, happening.begin_s, happening.end_s, amount, path,
-                 happening.probability)  # fmt: skip
+                 happening.probability, happening.is_edge)  # fmt: skip

@@ -50,8 +50,9 @@ from geotlm_lm.query.values import (
 )
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
-MOST_TOLD = 4
-"""Events of a story that are told; of more, where contact begins and ends, and the largest."""
+MOST_TOLD, MOST_MOVING = 4, 3
+"""Events of a story that are told: of more, the largest motions, and where contact begins and ends
+as far as there is room."""
 
 SMALL = 0.2
 """Share of the longest path below which a motion is left out of a story."""
@@ -92,12 +93,23 @@ class Teller:
 
     def tell(self, value: Value) -> Wording:
         """Return a value as a sentence."""
+        if isinstance(value, Unknown) and value.supposing is not None:
+            return self._supposed(value.supposing)
         if isinstance(value, Unknown):
             text = f"{replies()['missing'][value.reason]} {value.detail}".strip()
             return Wording(text, self.named)
         text = _sentence(_TELLERS[type(value)](self, value))
         where = where_phrase(value.edit, self.frame)
         return Wording(text, where if where in text else self.named)
+
+    def _supposed(self, value: Value) -> Wording:
+        """Return what a value is on an ordinary thread, what is not known of it named first."""
+        lacks = self.frame.missing_for_thread()
+        supposed = " an ordinary right-hand thread" if "thread" in lacks else ""
+        supposed += " seen from its head" if "contact_side" in lacks else ""
+        wording = self.tell(value)
+        text = f"If it is{supposed}, {wording.text[:1].lower()}{wording.text[1:]}"
+        return replace(wording, text=text)
 
     # Parts of a sentence
 
@@ -138,7 +150,9 @@ class Teller:
 def _truth(teller: Teller, value: Truth) -> str:
     head = head_of(value.of)
     if head.word == "sure-of":
-        return f"about {value.chance:.0%}"
+        instead = value.chance < 0.5 and value.motion is not None and value.motion.movements
+        clause = f": {_clause(teller, value.motion)}" if instead else ""
+        return f"about {value.chance:.0%}{clause}"
     word = "yes" if value.holds else "no"
     if head.word == "not":  # a bare "no" to a denial could be read either way
         word += ", that is so" if value.holds else ", that is not so"
@@ -346,9 +360,12 @@ def _most(shown: Sequence[Shown], count: int) -> list[Shown]:
     ends = (EventKind.TOUCH, EventKind.RELEASE)
     moving = [each for each in shown if each.kind in MOVING]
     longest = max((each.path_px for each in moving), default=0.0)
-    large = [each for each in shown if each.kind in ends
-             or (each.kind in MOVING and each.path_px >= SMALL * longest)]  # fmt: skip
-    kept = sorted(large or shown, key=lambda each: (each.kind not in ends, -each.path_px))[:count]
+    large = [each for each in moving if each.path_px >= SMALL * longest]
+    large = sorted(large, key=lambda each: -each.path_px)[: min(count, MOST_MOVING)]
+    begun = [each for each in shown if each.kind in ends]
+    # The first touch, then the last release, then those between.
+    begun = [*begun[:1], *begun[:0:-1]]
+    kept = [*large, *begun][:count] or shown[:count]
     return [each for each in shown if each in kept]
 
 
@@ -378,7 +395,8 @@ def _event(teller: Teller, shown: Shown) -> str:
     if shown.kind is EventKind.STICK:
         return f"is held still {when}"
     if shown.kind is EventKind.RELEASE:
-        return f"is let go at {teller.moment(shown.end_s)}"
+        is_over = f"is let go at {teller.moment(shown.end_s)}"
+        return is_over if shown.is_edge else f"is pressed less {when}"
     if shown.kind is EventKind.PRESS:
         return f"presses in {when}"
     far = f" {amount_phrase(shown.amount)}" if shown.amount is not None else ""

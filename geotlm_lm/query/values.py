@@ -23,6 +23,7 @@ class Shown:
     amount: Measure | None
     path_px: float
     probability: float
+    is_edge: bool = True  # a press or release that is the beginning or the end of a contact
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ class Unknown(Value):
 
     reason: str
     detail: str = ""  # what is told besides
+    supposing: Value | None = None  # what it comes to on an ordinary thread seen from its head
     probability: float = 0.0
 
     @property

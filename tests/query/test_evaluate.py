@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.twist import Component
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.query import evaluate as evaluating
 from geotlm_lm.query import lines
@@ -250,6 +251,22 @@ def test_the_ends_of_a_number_lie_as_far_apart_as_its_span():
     )  # fmt: skip
     assert low < told("amount cw").amount.mean < high
     assert deviation == pytest.approx((high - low) / (2 * SPAN_DEVIATIONS))
+
+
+def test_a_difference_may_be_below_zero_and_is_as_sure_as_its_terms():
+    clip = of_clip(certain(turn=94))
+    whole, rest = told("amount turn", clip), told("- 90.0:deg amount turn", clip)
+    assert rest.amount.value == pytest.approx(-4, abs=1)
+    low, high = rest.amount.span
+    assert low < -4 < high
+    assert rest.probability >= whole.probability - 0.01
+
+
+def test_a_span_has_limits_of_its_own():
+    clip = there_and_back()
+    whole = dict(told("slide", clip).motion.limits)[Component.SLIDE][0]
+    part = dict(told("within part 1 4 contact slide", clip).motion.limits)[Component.SLIDE][0]
+    assert 0 < part.mean < whole.mean
 
 
 def test_moments_of_a_recording():

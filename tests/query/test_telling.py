@@ -144,8 +144,11 @@ def test_an_answer_is_short(line):
     ("way all", certain(contact=0.0), "Nothing touches the gel."),
     ("way y", certain(right=9), "It does not slide vertically."),
     ("tighten", certain(turn=12),
-     "I need the thread and the side that is touched; say for example 'right-hand thread, "
-     "touched at the head'."),
+     "If it is an ordinary right-hand thread seen from its head, yes: it turns clockwise, about 12 "
+     "degrees, in the camera image."),
+    ("/ 1.0:turn amount turn", certain(right=9), "It does not turn."),
+    ("sure-of cw", certain(turn=-12),
+     "About 0%: it turns counterclockwise, about 12 degrees, in the camera image."),
     ("undo way turn", certain(turn=12),
      "Turn the object counterclockwise, about 12 degrees, in the camera image."),
     ("count turn-events", certain(turn=12),
