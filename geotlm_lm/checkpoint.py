@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from torch import Tensor
 
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.backbone.vit import FrozenBackbone, ViT, ViTConfig
+from geotlm_lm.backbone.weights import without_prefix
 from geotlm_lm.core.errors import IncompatibleBundle, first_line
 from geotlm_lm.core.files import replacing, resource_dir, write_text_atomically
 from geotlm_lm.core.labels import DIRECTED, Motion
@@ -251,23 +252,16 @@ def _assemble(config: dict[str, Any], tensors: dict[str, Tensor]) -> tuple[GeoTL
     strangers = {name.partition(".")[0] for name in tensors} - {*modules, *standardisers}
     if strangers:
         raise ValueError(f"unknown parts {sorted(strangers)}")
-    state = partial(_state_of, tensors)
+    state = {part: without_prefix(tensors, f"{part}.") for part in (*modules, *standardisers)}
     for name, module in modules.items():
-        module.load_state_dict(state(name), assign=True)
+        module.load_state_dict(state[name], assign=True)
         module.requires_grad_(False).eval()
     model = GeoTLM(
         backbone=FrozenBackbone(modules["vit"]),
-        global_standardiser=Standardiser.from_state(state("global_standardiser")),
-        patch_standardiser=Standardiser.from_state(state("patch_standardiser")),
+        global_standardiser=Standardiser.from_state(state["global_standardiser"]),
+        patch_standardiser=Standardiser.from_state(state["patch_standardiser"]),
         dgr=modules["dgr"],
         probe=modules["probe"],
         global_probe=modules["global_probe"],
     )
     return model, modules["motion"]
-
-
-def _state_of(tensors: dict[str, Tensor], part: str) -> dict[str, Tensor]:
-    prefix = f"{part}."
-    return {
-        name[len(prefix) :]: value for name, value in tensors.items() if name.startswith(prefix)
-    }

@@ -18,7 +18,7 @@ from geotlm_lm.backbone.vit import Block
 
 @dataclass(frozen=True)
 class ImageViTConfig:
-    """Sizes and parts of a transformer; parts named as in `encoders.EncoderRow` are the same."""
+    """Sizes and parts of a transformer."""
 
     width: int
     heads: int
@@ -40,11 +40,6 @@ class ImageViTConfig:
     projection: int = 0  # width of a projection after the last norm; 0 for none
 
     @property
-    def patch_count(self) -> int:
-        """Patches of an image, or of a clip, of the size the positions were made for."""
-        return self.grid[0] * self.grid[1] * self.grid[2]
-
-    @property
     def lead(self) -> int:
         """Tokens before the first patch."""
         return self.has_global + (self.sensor_tokens if self.sensor_rows else 0) + self.registers
@@ -62,7 +57,7 @@ class ImageViT(nn.Module):
         self.global_token = _weights(width) if config.has_global else None
         self.sensor_tokens = _weights(config.sensor_rows, config.sensor_tokens, width)
         self.registers = _weights(config.registers, width)
-        rows = 0 if config.has_sinusoids else config.has_global + config.patch_count
+        rows = 0 if config.has_sinusoids else config.has_global + math.prod(config.grid)
         self.positions = _weights(rows, width)
         self.pre_norm = _norm(width, config.pre_norm_eps)
         self.blocks = nn.ModuleList(
@@ -124,15 +119,15 @@ class ImageViT(nn.Module):
             return own, table
         if not self.config.resizes_positions:
             raise ValueError(f"positions are of a grid {self.config.grid}, the pixels give {grid}")
-        return own, resized_positions(table, self.config.grid[1:], grid[1:])
+        # Bicubic, half-pixel centres; in float32, as the encoder's authors do: float64 would differ
+        # from them by 1e-7.
+        image = table.float().unflatten(0, self.config.grid[1:]).permute(2, 0, 1)[None]
+        image = F.interpolate(image, size=grid[1:], mode="bicubic", align_corners=False)
+        return own, image[0].flatten(1).T.to(table.dtype)
 
     def normed(self, tokens: Tensor) -> Tensor:
         """Return tokens after the outer norm; as they are where there is none."""
         return tokens if self.norm is None else self.norm(tokens)
-
-    def projected(self, tokens: Tensor) -> Tensor:
-        """Return tokens after the outer norm and the projection, shape (..., projection)."""
-        return self.projection(self.normed(tokens))
 
     def patch_grid(self, tokens: Tensor, grid: tuple[int, int, int] | None = None) -> Tensor:
         """Return the patch tokens on their grid, shape (b, time, rows, columns, d)."""
@@ -157,14 +152,6 @@ def sinusoid_frequencies(width: int) -> Tensor:
     """Return the frequencies of one axis; of the last axis the few last may not be needed."""
     count = math.ceil(width / 6)
     return 10000.0 ** -torch.linspace(0, 1, count + 1)[:-1]
-
-
-def resized_positions(table: Tensor, before: tuple[int, int], after: tuple[int, int]) -> Tensor:
-    """Return positions (n, d) of a grid resized to another, bicubic, half-pixel centres."""
-    # In float32, as the encoder's authors do: float64 would differ from them by 1e-7.
-    image = table.float().unflatten(0, before).permute(2, 0, 1)[None]
-    image = F.interpolate(image, size=after, mode="bicubic", align_corners=False)
-    return image[0].flatten(1).T.to(table.dtype)
 
 
 def _weights(*sizes: int) -> nn.Parameter | None:

@@ -8,7 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import torch
 from torch import Tensor, nn
@@ -88,11 +90,8 @@ class EncoderRow:
     # The authors' names of a block's layers; with gains, it has a LayerScale.
     block_layers: Names = field(default_factory=dict)
     time_bins: int = 1  # time-bins of the learned positions
-    # Whether learned positions are resized to images of another size.
-    resizes_positions: bool = False
-    has_patch_bias: bool = True  # whether the stem adds a bias
-    pre_norm_eps: float | None = None  # epsilon of a norm before the blocks; None for no norm
-    norm_eps: float | None = None  # epsilon of a norm after the blocks; None for no norm
+    # Parts of an `ImageViTConfig` that no file tells.
+    parts: Mapping[str, Any] = field(default_factory=dict)
     # Tables that are no weights -> what they must be at a width.
     constants: Mapping[str, Callable[[int], Tensor]] = field(default_factory=dict)
 
@@ -157,9 +156,7 @@ def _sensor_rows(images: Tensor) -> Tensor:
 TOUCH = {
     "blocks": ((TOUCH_BLOCKS, 1e-5),),
     "block_layers": CLIP_BLOCK,
-    "has_patch_bias": False,
-    "pre_norm_eps": 1e-5,
-    "norm_eps": 1e-5,
+    "parts": {"has_patch_bias": False, "pre_norm_eps": 1e-5, "norm_eps": 1e-5},
 }
 
 ANYTOUCH2 = EncoderRow(
@@ -238,7 +235,7 @@ SPARSH = EncoderRow(
     block_layers=TIMM_BLOCK | {"gain1": ("ls1.gamma",), "gain2": ("ls2.gamma",)},
     time_bins=TIME_BIN_COUNT,
     image=(320, 240),
-    norm_eps=1e-6,
+    parts={"norm_eps": 1e-6},
     constants={
         "pos_embed.frequency_bands": lambda width: sinusoid_frequencies(width).expand(3, -1)
     },
@@ -315,7 +312,7 @@ T3 = EncoderRow(
     },
     blocks=(("encoder.blocks.", 1e-6), ("trunk.blocks.", 1e-5)),
     block_layers=TIMM_BLOCK,
-    norm_eps=1e-5,
+    parts={"norm_eps": 1e-5},
 )
 """Give the sensor's encoder file: the trunk is found beside it or one folder up."""
 
@@ -331,7 +328,7 @@ INTERNVIT = EncoderRow(
         "encoder.layers.0.mlp.fc1.weight": 2,
         "encoder.layers.0.attn.qkv.weight": 2,
     },
-    pixels=pixels.bicubic_frames,
+    pixels=partial(pixels.whole_frames, how="bicubic"),
     tokens=frame_tokens,
     prefixes=("vision_model.",),
     released_heads={1024: 16},
@@ -342,7 +339,7 @@ INTERNVIT = EncoderRow(
     },
     blocks=(("encoder.layers.", 1e-6),),
     block_layers=TIMM_BLOCK | {"gain1": ("ls1",), "gain2": ("ls2",)},
-    resizes_positions=True,
+    parts={"resizes_positions": True},
 )
 """The vision-only reference; on its own, or as the vision part of an InternVL model."""
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from geotlm_lm.alignment.direct import Aligned, Picture, Rigid, align
 from geotlm_lm.alignment.search import align_or_search
-from geotlm_lm.backbone.imprint import VIEW_SIDE, Imprint, gradients
-from geotlm_lm.backbone.relief import RELIEF_SCALE
+from geotlm_lm.backbone.imprint import VIEW_SIDE, Imprint
+from geotlm_lm.backbone.relief import RELIEF_SCALE, gradients
 from geotlm_lm.backbone.view import CONTRAST_FLOOR_GREY2
 from geotlm_lm.core.geometry import FLOW_SCALE_PX, GRID_SIDE, IMAGE_SIDE
 

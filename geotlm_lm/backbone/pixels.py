@@ -96,11 +96,6 @@ def whole_frames(clip: Clip, image: Size, how: str = "bilinear") -> Tensor:
     return normalised(frames, IMAGENET)
 
 
-def bicubic_frames(clip: Clip, image: Size) -> Tensor:
-    """Return `whole_frames` resized by bicubic interpolation."""
-    return whole_frames(clip, image, "bicubic")
-
-
 def upright_difference(clip: Clip, image: Size) -> Tensor:
     """Return (3, 4, rows, columns) in [0, 1], newest frame first, landscape pictures upright.
 

@@ -60,11 +60,6 @@ class ReleasedEncoder:
         tokens = self.row.tokens(twin, pixels[None].to("meta"))
         return tuple(tokens.global_token.shape[1:]), tuple(tokens.patches.shape[1:])
 
-    @property
-    def parameter_count(self) -> int:
-        """How many numbers the encoder was loaded with."""
-        return sum(parameter.numel() for parameter in self.module.parameters())
-
     def digest(self) -> str:
         """Return twelve hex digits of the weights."""
         digest = hashlib.sha256(self.row.name.encode())
@@ -83,7 +78,7 @@ class ReleasedEncoder:
         return {
             "encoder": self.row.name,
             "title": self.row.title,
-            "parameters": self.parameter_count,
+            "parameters": sum(parameter.numel() for parameter in self.module.parameters()),
             **({} if heads is None else {"heads": heads}),
             "image_px": list(self.image),
             "global_token": [self.width],
@@ -205,16 +200,14 @@ def fitted(
         raise _mismatch(row, path, absent, [n for n in (own or tensors) if n not in row.anchors])
     for name, axes in row.anchors.items():
         if own[name].ndim != axes:
-            raise _wrong_shape(row, path, name, own[name].shape, f"{axes} axes")
+            shape = tuple(own[name].shape)
+            raise _refused(row, path, f"{name} has shape {shape}, expected {axes} axes")
     try:
         with torch.device("meta"):
             build = _vit if row.blocks else _conv
             module, size, names = build(row, own, path, heads, image)
     except ValueError as error:  # torch refuses sizes that its layers cannot have
-        raise IncompatibleWeights(
-            f"{path}: is not {row.title}: no encoder has the sizes found ({error}); get the file "
-            f"from {row.source}."
-        ) from error
+        raise _refused(row, path, f"no encoder has the sizes found ({error})") from error
     expected = [name for parts in names.values() for name in parts]
     missing = [name for name in expected if name not in own]
     unexpected = sorted(set(own) - set(expected))
@@ -222,19 +215,15 @@ def fitted(
         raise _mismatch(row, path, missing, unexpected)
     parts: dict[str, Tensors] = {}
     for ours, wanted in module.state_dict().items():
-        share = torch.Size([wanted.shape[0] // len(names[ours]), *wanted.shape[1:]])
-        parts[ours] = {name: _without_batch_axes(own[name], share) for name in names[ours]}
-        for name, value in parts[ours].items():
-            if value.shape != share:
-                raise _wrong_shape(row, path, name, own[name].shape, str(tuple(share)))
+        share = (wanted.shape[0] // len(names[ours]), *wanted.shape[1:])
+        parts[ours] = {}
+        for name in names[ours]:
+            shape = tuple(own[name].shape)
+            # Many files keep leading axes of one on tokens and positions.
+            if shape != (1,) * (len(shape) - len(share)) + share:
+                raise _refused(row, path, f"{name} has shape {shape}, expected {share}")
+            parts[ours][name] = own[name].reshape(share)
     return module, size, parts
-
-
-def _without_batch_axes(value: Tensor, shape: torch.Size) -> Tensor:
-    """Drop leading axes of one, as many files keep on tokens and positions."""
-    while value.ndim > len(shape) and value.shape[0] == 1:
-        value = value[0]
-    return value
 
 
 def _without_constants(row: EncoderRow, tensors: Tensors, path: Path) -> Tensors:
@@ -256,7 +245,8 @@ def _vit(
     """Size a transformer by its tensors, and map every weight by the row's table."""
     width, *_, rows, columns = (stem := tensors[f"{row.weights['patch']}.weight"]).shape
     first_mlp = f"{row.blocks[0][0]}0.{row.block_layers['fc1'][0]}.weight"
-    grid = _grid(row, tensors, path, None if row.resizes_positions else image, (rows, columns))
+    resizes = row.parts.get("resizes_positions", False)
+    grid = _grid(row, tensors, path, None if resizes else image, (rows, columns))
     sensors = tensors[row.weights["sensor_tokens"]].shape if "sensor_tokens" in row.weights else ()
     registers = tensors.get(row.weights.get("registers", ""))
     projection = f"{row.weights.get('projection')}.weight"
@@ -272,17 +262,14 @@ def _vit(
         block_eps=tuple(eps for _, eps in blocks),
         patch=tuple(stem.shape[2:]),
         grid=grid,
-        has_patch_bias=row.has_patch_bias,
         has_layer_scale="gain1" in row.block_layers,
         has_global="global_token" in row.weights,
         sensor_rows=sensors[0] if sensors else 0,
         sensor_tokens=sensors[1] if sensors else 0,
         registers=0 if registers is None else registers.shape[-2],
         has_sinusoids=row.weights["positions"] not in tensors,
-        resizes_positions=row.resizes_positions,
-        pre_norm_eps=row.pre_norm_eps,
-        norm_eps=row.norm_eps,
         projection=len(tensors[projection]) if projection in tensors else 0,
+        **row.parts,
     )
     module = ImageViT(config)
     names: Names = {}
@@ -294,7 +281,7 @@ def _vit(
             theirs = tuple(blocks[int(index)][0] + name for name in row.block_layers[layer])
         names[ours] = tuple(".".join([name, *kind]) for name in theirs)
     size = (grid[1] * rows, grid[2] * columns)
-    return module, (row.resizes_positions and image) or size, names
+    return module, (resizes and image) or size, names
 
 
 def _grid(
@@ -368,16 +355,10 @@ def _block_count(tensors: Mapping[str, Tensor], prefix: str) -> int:
 def _mismatch(
     row: EncoderRow, path: Path, missing: Iterable[str], unexpected: Iterable[str]
 ) -> IncompatibleWeights:
-    return IncompatibleWeights(
-        f"{path}: is not {row.title}: missing {listed(missing)}, unexpected {listed(unexpected)}; "
-        f"get the file from {row.source}."
-    )
+    return _refused(row, path, f"missing {listed(missing)}, unexpected {listed(unexpected)}")
 
 
-def _wrong_shape(
-    row: EncoderRow, path: Path, name: str, shape: torch.Size, wanted: str
-) -> IncompatibleWeights:
+def _refused(row: EncoderRow, path: Path, reason: str) -> IncompatibleWeights:
     return IncompatibleWeights(
-        f"{path}: is not {row.title}: {name} has shape {tuple(shape)}, expected {wanted}; get the "
-        f"file from {row.source}."
+        f"{path}: is not {row.title}: {reason}; get the file from {row.source}."
     )

@@ -72,6 +72,9 @@ turns 94 %."""
 
 Floats = NDArray[np.float32]
 
+Curl = tuple[float, float]
+"""Squared curl and squared divergence of slopes, as they are or mirrored."""
+
 
 @dataclass(frozen=True)
 class Lights:
@@ -84,11 +87,6 @@ class Lights:
     are_one: bool = False  # whether the picture tells them not apart: it is grey, or of one colour
     # Squared curl of the slopes as a share of their squared divergence; 0 of a relief without noise
     curl: float = field(default=math.inf, compare=False)
-
-    @property
-    def shade_relief(self) -> bool:
-        """Whether the shading is that of a relief, and no print or markers on the gel."""
-        return self.curl < MOST_CURL
 
 
 def slopes(residuals: Sequence[Floats], aspect: float = 1.0) -> tuple[Floats, Floats]:
@@ -113,16 +111,19 @@ def lights_of(residuals: Sequence[Floats], aspect: float = 1.0) -> Lights:
     to_right, down = (
         cv2.GaussianBlur(cv2.merge(list(slope)), (0, 0), CURL_BLUR_PX) for slope in shaded
     )
-    x_by_x, x_by_y = _gradient(to_right)
-    y_by_x, y_by_y = _gradient(down)
-    usual = _Curl.of(x_by_x, x_by_y, y_by_x, y_by_y)
+    x_by_x, x_by_y = gradients(to_right)
+    y_by_x, y_by_y = gradients(down)
+    usual = _curls(x_by_x, x_by_y, y_by_x, y_by_y)
     # Turned back, the slope to the right is what passed for the one down, over wider pixels, and
     # the slope down what passed for the one to the left.
     wider, narrower = np.float32(aspect), np.float32(-1 / aspect)
-    turned = _Curl.of(wider * y_by_x, wider * y_by_y, narrower * x_by_x, narrower * x_by_y)
-    if turned.least < TURNED_CURL * usual.least and turned.is_of_relief:
-        return turned.lights(are_turned=True)
-    return usual.lights(are_turned=False)
+    turned = _curls(wider * y_by_x, wider * y_by_y, narrower * x_by_x, narrower * x_by_y)
+    is_of_relief = any(curl < CURL_OF_RELIEF * spread for curl, spread in turned)
+    are_turned = min(turned)[0] < TURNED_CURL * min(usual)[0] and is_of_relief
+    kept, mirrored = turned if are_turned else usual
+    are_mirrored = mirrored[0] < min(MIRRORED_CURL * kept[0], CURL_OF_RELIEF * mirrored[1])
+    curl, spread = mirrored if are_mirrored else kept
+    return Lights(are_turned, are_mirrored, curl=curl / max(spread, 1e-9))
 
 
 def as_of_one_light(residual: Floats) -> Floats:
@@ -150,48 +151,19 @@ def turned_by_a_half(residual: Floats) -> Floats:
     return cv2.merge([blue, -green, red])
 
 
-@dataclass(frozen=True)
-class _Curl:
-    """What slopes leave unexplained: squared curl and divergence, as they are and mirrored."""
-
-    kept: float
-    mirrored: float
-    spread_kept: float
-    spread_mirrored: float
-
-    @classmethod
-    def of(cls, x_by_x: Floats, x_by_y: Floats, y_by_x: Floats, y_by_y: Floats) -> _Curl:
-        # The squares of sum and difference, without an image for either.
-        both = float(np.vdot(x_by_y, x_by_y) + np.vdot(y_by_x, y_by_x))
-        twice = 2 * float(np.vdot(x_by_y, y_by_x))
-        spread = float(np.vdot(x_by_x, x_by_x) + np.vdot(y_by_y, y_by_y))
-        product = 2 * float(np.vdot(x_by_x, y_by_y))
-        return cls(both - twice, both + twice, spread + product, spread - product)
-
-    @property
-    def least(self) -> float:
-        return min(self.kept, self.mirrored)
-
-    @property
-    def is_less_mirrored(self) -> bool:
-        is_less = self.mirrored < MIRRORED_CURL * self.kept
-        return is_less and self.mirrored < CURL_OF_RELIEF * self.spread_mirrored
-
-    def lights(self, *, are_turned: bool) -> Lights:
-        """Return the lights under which these are the slopes."""
-        if self.is_less_mirrored:
-            return Lights(are_turned, True, curl=self.mirrored / max(self.spread_mirrored, 1e-9))
-        return Lights(are_turned, False, curl=self.kept / max(self.spread_kept, 1e-9))
-
-    @property
-    def is_of_relief(self) -> bool:
-        """Whether there is a relief whose slopes these are, mirrored or not."""
-        kept = self.kept < CURL_OF_RELIEF * self.spread_kept
-        return kept or self.mirrored < CURL_OF_RELIEF * self.spread_mirrored
+def _curls(x_by_x: Floats, x_by_y: Floats, y_by_x: Floats, y_by_y: Floats) -> tuple[Curl, Curl]:
+    # The squares of sum and difference, without an image for either.
+    both = float(np.vdot(x_by_y, x_by_y) + np.vdot(y_by_x, y_by_x))
+    twice = 2 * float(np.vdot(x_by_y, y_by_x))
+    spread = float(np.vdot(x_by_x, x_by_x) + np.vdot(y_by_y, y_by_y))
+    product = 2 * float(np.vdot(x_by_x, y_by_y))
+    return (both - twice, spread + product), (both + twice, spread - product)
 
 
-def _gradient(values: Floats) -> tuple[Floats, Floats]:
-    return cv2.Sobel(values, cv2.CV_32F, 1, 0), cv2.Sobel(values, cv2.CV_32F, 0, 1)
+def gradients(image: Floats) -> tuple[Floats, Floats]:
+    """Return the slopes of a smooth image towards right and down, per pixel."""
+    right = cv2.Sobel(image, cv2.CV_32F, 1, 0, scale=1 / 8)
+    return right, cv2.Sobel(image, cv2.CV_32F, 0, 1, scale=1 / 8)
 
 
 def reliefs(

@@ -18,7 +18,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from geotlm_lm.backbone.imprint import RESIDUAL_SCALE_GREY, Imprint, area_means, imprint_of
+from geotlm_lm.backbone.imprint import RESIDUAL_SCALE_GREY, area_means, imprint_of
 from geotlm_lm.backbone.motions import (
     LOCAL_CHANNELS,
     MOTION_NUMBERS,
@@ -87,7 +87,11 @@ def measure_clip(clip: Clip) -> StemMeasurement:
         motions.local,
         np.broadcast_to(motions.sureness[:, None, None], (*grid, MOTION_NUMBERS)),
     ]
-    inputs = _time_bins(np.concatenate(parts, axis=-1, dtype=np.float32), imprint)
+    frames = np.concatenate(parts, axis=-1, dtype=np.float32)[imprint.places]
+    # The mean of the two frames of each time-bin, (2, 14, 14, dim).
+    inputs = frames.reshape(TIME_BIN_COUNT, TUBE_FRAMES, *frames.shape[1:]).mean(axis=1)
+    residual = inputs[..., :RESIDUAL_DIM]
+    np.clip(residual, -4, 4, out=residual)
     return StemMeasurement(inputs, imprint.view, motions.motions)
 
 
@@ -95,15 +99,6 @@ def _cells(residual: Floats) -> Floats:
     """Regroup (56, 56, 3) to (14, 14, 48): 4 x 4 cells of RGB per patch."""
     cells = residual.reshape(GRID_SIDE, CELLS, GRID_SIDE, CELLS, 3)  # gh cell gw cell rgb
     return cells.transpose(0, 2, 1, 3, 4).reshape(GRID_SIDE, GRID_SIDE, -1)
-
-
-def _time_bins(inputs: Floats, imprint: Imprint) -> Floats:
-    """Average the two frames of each time-bin: inputs of distinct frames to (2, 14, 14, dim)."""
-    frames = inputs[imprint.places]
-    bins = frames.reshape(TIME_BIN_COUNT, TUBE_FRAMES, *frames.shape[1:]).mean(axis=1)
-    residual = bins[..., :RESIDUAL_DIM]
-    np.clip(residual, -4, 4, out=residual)
-    return bins
 
 
 class Mirror(Enum):

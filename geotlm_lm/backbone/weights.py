@@ -95,16 +95,6 @@ def _unpickled(path: Path, is_zip: bool) -> Any:
         raise _refused(path, f"cannot be read safely ({_one_line(error)})") from error
 
 
-def _plain_dict(*_: Any) -> dict:
-    """Stand in for `defaultdict`, which the restricted loader fills only if it is a `dict`."""
-    return {}
-
-
-def _plain_list(*_: Any) -> list:
-    """Stand in for `deque`, for the same reason."""
-    return []
-
-
 class _StandIn:
     """An object of a class that need not be installed: takes anything, does nothing."""
 
@@ -123,8 +113,9 @@ _HARMLESS: dict[str, Callable] = {
     "builtins.set": set,
     "builtins.int": int,
     "builtins.float": float,
-    "collections.defaultdict": _plain_dict,
-    "collections.deque": _plain_list,
+    # The restricted loader fills only what is a `dict` or a `list`.
+    "collections.defaultdict": lambda *_: {},
+    "collections.deque": lambda *_: [],
 }
 """What is loaded as itself, or as the plain form of itself."""
 

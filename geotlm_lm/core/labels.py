@@ -105,27 +105,17 @@ class MotionLabel:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the label as plain JSON values."""
-        return asdict(self) | {
-            "motion": self.motion.value,
-            "contact_fraction": list(self.contact_fraction),
-            "mm_per_px": None if self.mm_per_px is None else list(self.mm_per_px),
-            "travel_px": None if self.travel_px is None else list(self.travel_px),
-            # JSON knows no infinity.
-            "visible_grey": [None if math.isinf(grey) else grey for grey in self.visible_grey],
+        values = asdict(self) | {"motion": self.motion.value}
+        # JSON knows no infinity.
+        values["visible_grey"] = [None if math.isinf(grey) else grey for grey in self.visible_grey]
+        return {
+            k: list(value) if isinstance(value, tuple) else value for k, value in values.items()
         }
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> MotionLabel:
         """Read a label back from `to_dict`."""
-        size, travel = values.get("mm_per_px"), values.get("travel_px")
+        own = {k: tuple(value) if isinstance(value, list) else value for k, value in values.items()}
         visible = values.get("visible_grey") or (None, None, None)
-        return cls(
-            **values
-            | {
-                "motion": Motion(values["motion"]),
-                "contact_fraction": tuple(values["contact_fraction"]),
-                "mm_per_px": None if size is None else tuple(size),
-                "travel_px": None if travel is None else tuple(travel),
-                "visible_grey": tuple(math.inf if grey is None else grey for grey in visible),
-            }
-        )
+        own["visible_grey"] = tuple(math.inf if grey is None else grey for grey in visible)
+        return cls(**own | {"motion": Motion(values["motion"])})

@@ -11,7 +11,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.core.errors import GeoTLMError
+from geotlm_lm.core.errors import GeoTLMError, first_line
 from geotlm_lm.core.files import write_text_atomically
 
 RECORD_FORMAT = 1
@@ -46,10 +46,9 @@ class RunRecord:
         try:
             return cls(**json.loads(path.read_text(encoding="utf-8")))
         except (OSError, ValueError, TypeError, RecursionError) as error:
-            reason = (str(error).splitlines() or [type(error).__name__])[0]
             raise UnreadableRecord(
-                f"{path}: is no record of a run ({reason}); make it again by the command that "
-                f"wrote it."
+                f"{path}: is no record of a run ({first_line(error)}); make it again by the "
+                f"command that wrote it."
             ) from error
 
 

@@ -92,12 +92,10 @@ class Belief:
         A press is compared by the pixels that its depth makes a contact's rim move, about as many
         as its depth is wide.
         """
-        counting = [component for component in COMPONENTS if self.moves(component) >= 0.5]
-        return sorted(counting, key=lambda component: -self._pixels(component))
-
-    def _pixels(self, component: Component) -> float:
-        path = self.path(component)
-        return path * PX_PER_MM if component is Component.PRESS else path
+        paths = {c: self.path(c) for c in COMPONENTS if self.moves(c) >= 0.5}
+        if Component.PRESS in paths:
+            paths[Component.PRESS] *= PX_PER_MM
+        return sorted(paths, key=paths.__getitem__, reverse=True)
 
     def seen(self, edit: Edit) -> Belief:
         """Return what is believed from another point of view."""

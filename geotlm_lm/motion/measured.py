@@ -211,7 +211,7 @@ def rigid_motions(
 ) -> tuple[Tensor, Tensor]:
     """Fit a turn and a slide to each displacement field, by weighted least squares.
 
-    The same closed form as `probe.rigid_fit.fit_rigid`, for many fields at once.
+    The same closed form as `probe.rigid_flow.fit_rigid`, for many fields at once.
 
     Fields are in units of `FLOW_SCALE_PX`, (b, gh, gw, 2), x right, y down; weights (b, gh, gw) are
     not negative. Turns are in rad, (b,), positive clockwise as drawn, and slides in pixels of the

@@ -318,13 +318,6 @@ class MotionNetwork(nn.Module):
         self.axes[:count] = axes[:count] / deviations.clamp(min=1e-3)
         self.reach.copy_(torch.quantile(self._distance(standard), 0.99))
 
-    def familiar(self, hints: Tensor) -> Tensor:
-        """Return how near hints are to those of training, from 0 to 1, (b,)."""
-        return self._nearness(self._standard(hints))
-
-    def _nearness(self, standard: Tensor) -> Tensor:
-        return (2 - self._distance(standard) / self.reach).clamp(0, 1)
-
     def _standard(self, hints: Tensor) -> Tensor:
         return ((hints - self.mean) / self.scale).clamp(-8, 8)
 
@@ -337,7 +330,9 @@ class MotionNetwork(nn.Module):
         Turn and slide are worked out side by side, in parts (b, 2, 2): (0, turn), (right, down).
         """
         standard = self._standard(measured.hints)
-        own, familiar = self._learned(standard), self._nearness(standard)[:, None]
+        own = self._learned(standard)
+        # How near they are to the hints of training, from 0 to 1.
+        familiar = (2 - self._distance(standard)[:, None] / self.reach).clamp(0, 1)
         white = measured.white.clamp(min=1e-4)
         device = white.device
         noise = torch.hypot(_NOISE.to(device) * white, LEAST_NOISE_PX)

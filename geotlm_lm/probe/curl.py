@@ -6,21 +6,13 @@ as in `rigid_flow`. Nothing in the features is learned.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-
 import cv2
 import numpy as np
-import torch
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.probe.linear import LinearProbe, fit_logistic
-from geotlm_lm.probe.rigid_fit import Field
-from geotlm_lm.probe.rigid_flow import FIT_STRIDE, RigidFlow
-from geotlm_lm.probe.standardise import Standardiser
+from geotlm_lm.probe.rigid_flow import FIT_STRIDE, Field, RigidFlow
 
 CURL_FEATURES = ("upper", "lower", "left", "right", "global")
 """Where the curl is averaged: the paper's halves and the whole."""
@@ -65,30 +57,3 @@ def imprint_travel(clip: Clip) -> tuple[Field, Field, tuple[float, float]]:
     rows, columns = mean_contrast.shape
     patch_px = (FIT_STRIDE * columns / GRID_SIDE, FIT_STRIDE * rows / GRID_SIDE)
     return total, cv2.resize(mean_contrast, grid, interpolation=cv2.INTER_AREA), patch_px
-
-
-@dataclass(frozen=True, eq=False)
-class CurlRegression:
-    """Logistic regression on the curl."""
-
-    statistics: Standardiser  # of the training clips' features
-    probe: LinearProbe  # the fitted layer
-
-    @classmethod
-    def fit(cls, clips: Iterable[Clip], motions: Sequence[Motion]) -> CurlRegression:
-        """Fit on labelled clips of two motions or more.
-
-        Raises:
-            ValueError: If there are fewer than two motions, or another number of clips.
-        """
-        features = torch.from_numpy(np.stack([curl_features(clip) for clip in clips]))
-        labels = sorted(set(motions), key=list(Motion).index)
-        if len(features) != len(motions) or len(labels) < 2:
-            raise ValueError(f"{len(features)} clips have {len(motions)} motions: {labels}")
-        statistics = Standardiser.fit(features)
-        return cls(statistics, fit_logistic(statistics.apply(features), motions, labels))
-
-    def predict(self, clip: Clip) -> Motion:
-        """Return the most probable of the motions it was fitted on."""
-        features = torch.from_numpy(curl_features(clip))[None]
-        return self.probe.predict(self.statistics.apply(features))[0]

@@ -16,12 +16,15 @@ from geotlm_lm.alignment.direct import Picture, Rigid, align
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import camera_size
 from geotlm_lm.core.labels import DIRECTED, Motion
-from geotlm_lm.probe.rigid_flow import RigidMotion, classify_motion, imprint_contrast
+from geotlm_lm.probe.rigid_flow import (
+    RigidMotion,
+    classify_motion,
+    imprint_contrast,
+    residuals_of,
+)
 
 PIXELS = 160 * 120
 """Pixels of the pictures that are aligned, square on the gel."""
-
-GREEN = 1
 
 
 @dataclass(frozen=True)
@@ -33,11 +36,8 @@ class RigidAlignment:
         rows, columns = camera_size(*clip.frames.shape[1:3])
         shrink = (PIXELS / (rows * columns)) ** 0.5
         size = (max(round(columns * shrink), 8), max(round(rows * shrink), 8))
-        frames = [frame[..., GREEN].astype(np.float32) for frame in clip.frames]
-        idle = np.mean(frames, axis=0)
-        if clip.background is not None:
-            idle = clip.background[..., GREEN].astype(np.float32)
-        small = [cv2.resize(frame - idle, size, interpolation=cv2.INTER_AREA) for frame in frames]
+        residuals = residuals_of(clip)
+        small = [cv2.resize(image, size, interpolation=cv2.INTER_AREA) for image in residuals]
         pictures = [Picture.of(residual) for residual in small]
         motion = Rigid()
         for before, after in zip(pictures[:-1], pictures[1:], strict=True):

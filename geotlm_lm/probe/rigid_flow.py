@@ -12,13 +12,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import camera_size
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, signed_amount
 from geotlm_lm.core.numbers import quantile_by_rank
-from geotlm_lm.probe.rigid_fit import Field, fit_rigid, radius_of_gyration
 
-Grey = NDArray[np.uint8]
+Field = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
@@ -59,19 +58,17 @@ class RigidFlow:
 
     # OpenCV's preset of the flow: 0 ultrafast, 1 fast, 2 medium.
     preset: int = cv2.DISOPTICAL_FLOW_PRESET_FAST
-    patch_px: int = 8  # side of the patches the flow matches
-    reweightings: int = 2  # rounds in which pixels off the rigid motion lose their weight
 
-    def fit(self, clip: Clip, background: Frames | None = None) -> RigidMotion:
+    def fit(self, clip: Clip) -> RigidMotion:
         """Measure the rigid motion of the imprint, summed over neighbouring frames.
 
-        Frames larger than `LONGEST_SIDE` are shrunk to it. Without a background the clip's own is
-        the idle gel, and without one the mean frame.
+        Frames larger than `LONGEST_SIDE` are shrunk to it. Without a background the mean frame
+        stands for the idle gel.
         """
-        fields, contrast, shrink = self.displacements(clip, background)
+        fields, contrast, shrink = self.displacements(clip)
         total = np.zeros(3)
         for field, weight in zip(fields, contrast[:-1], strict=True):
-            turn_rad, slide_x, slide_y = fit_rigid(field, weight, self.reweightings, FIT_STRIDE)
+            turn_rad, slide_x, slide_y = fit_rigid(field, weight, REWEIGHTINGS, FIT_STRIDE)
             total += (turn_rad, slide_x, slide_y)
         radius = radius_of_gyration(np.mean(contrast, axis=0)) * FIT_STRIDE
         return RigidMotion(
@@ -83,35 +80,34 @@ class RigidFlow:
             contrast=(float(contrast[0].mean()), float(contrast[-1].mean())),
         )
 
-    def displacements(
-        self, clip: Clip, background: Frames | None = None
-    ) -> tuple[list[Field], list[Field], float]:
-        """Measure the flow between neighbouring frames; arguments as in `fit`.
+    def displacements(self, clip: Clip) -> tuple[list[Field], list[Field], float]:
+        """Measure the flow between neighbouring frames.
 
         Returns:
             On every `FIT_STRIDE`-th pixel: displacements (rows, columns, 2) in px of the frames
             compared, one fewer than frames; contrast (rows, columns) of every frame, grey levels;
             and the factor by which the clip's frames were shrunk.
         """
-        residuals, shrink = _residuals(clip, background)
-        imprints = [_to_grey(residual) for residual in residuals]
+        rows, columns = camera_size(*clip.frames.shape[1:3])
+        shrink = min(1.0, LONGEST_SIDE / max(rows, columns))
+        residuals, size = residuals_of(clip), (round(columns * shrink), round(rows * shrink))
+        if size != residuals[0].shape[::-1]:
+            how = cv2.INTER_AREA if shrink < 1 else cv2.INTER_LINEAR
+            residuals = [cv2.resize(residual, size, interpolation=how) for residual in residuals]
+        levels = (np.clip(NEUTRAL + GAIN * residual, 0, 255) for residual in residuals)
+        imprints = [level.astype(np.uint8) for level in levels]
         contrast = [imprint_contrast(residual) for residual in residuals]
         flow = cv2.DISOpticalFlow_create(self.preset)
-        flow.setPatchSize(self.patch_px)
+        flow.setPatchSize(PATCH_PX)
         fields = [
             flow.calc(early, late, None)[::FIT_STRIDE, ::FIT_STRIDE]
             for early, late in zip(imprints[:-1], imprints[1:], strict=True)
         ]
         return fields, contrast, shrink
 
-    def predict(
-        self,
-        clip: Clip,
-        among: Iterable[Motion] = DIRECTED,
-        background: Frames | None = None,
-    ) -> Motion:
+    def predict(self, clip: Clip, among: Iterable[Motion] = DIRECTED) -> Motion:
         """Return the motion, among those asked about, that the rigid fit speaks for."""
-        return classify_motion(self.fit(clip, background), among)
+        return classify_motion(self.fit(clip), among)
 
 
 def classify_motion(motion: RigidMotion, among: Iterable[Motion]) -> Motion:
@@ -165,24 +161,72 @@ def _dominant_direction(motion: RigidMotion, directed: list[Motion]) -> Motion:
     return max(directed, key=path.__getitem__)
 
 
-def _residuals(clip: Clip, background: Frames | None = None) -> tuple[list[Field], float]:
-    """Return each frame's green channel less the idle gel, and the factor it was shrunk by."""
-    idle = clip.background if background is None else background
+def residuals_of(clip: Clip) -> list[Field]:
+    """Return each frame's green channel less the idle gel, or less the mean frame, grey levels."""
     frames = [frame[..., GREEN].astype(np.float32) for frame in clip.frames]
-    idle_green = np.mean(frames, axis=0) if idle is None else idle[..., GREEN].astype(np.float32)
-    residuals = [frame - idle_green for frame in frames]
-    rows, columns = camera_size(*clip.frames.shape[1:3])
-    shrink = min(1.0, LONGEST_SIDE / max(rows, columns))
-    size = (round(columns * shrink), round(rows * shrink))
-    if size != residuals[0].shape[::-1]:
-        how = cv2.INTER_AREA if shrink < 1 else cv2.INTER_LINEAR
-        residuals = [cv2.resize(residual, size, interpolation=how) for residual in residuals]
-    return residuals, shrink
+    idle = np.mean(frames, axis=0)
+    if clip.background is not None:
+        idle = clip.background[..., GREEN].astype(np.float32)
+    return [frame - idle for frame in frames]
 
 
-def _to_grey(residual: Field) -> Grey:
-    """Return a residual as the 8-bit image that the flow matches."""
-    return np.clip(NEUTRAL + GAIN * residual, 0, 255).astype(np.uint8)
+def fit_rigid(
+    field: Field,
+    weight: Field,
+    reweightings: int = 0,
+    grid_px: float | tuple[float, float] = 1.0,
+) -> tuple[float, float, float]:
+    """Fit a turn and a slide to a displacement field, by weighted least squares.
+
+    The slide is the weighted mean displacement; the turn about the weighted centre has a closed
+    form (the two-dimensional orthogonal Procrustes problem). Each reweighting divides the weight
+    by 1 + (misfit / rms misfit)^2, so that what does not turn with the imprint drops out.
+
+    The field holds displacements (x, y) in px, (rows, columns, 2); the weight is (rows, columns),
+    not negative; `grid_px` is the distance of neighbouring points, of x and y where they differ.
+
+    Returns:
+        Turn in rad, positive clockwise as drawn; slide along x and y in px. Zeros when there is
+        no weight.
+    """
+    rows, columns = weight.shape
+    grid_x, grid_y = np.broadcast_to(np.float32(grid_px), 2)
+    x = np.arange(columns, dtype=np.float32)[None, :] * grid_x
+    y = np.arange(rows, dtype=np.float32)[:, None] * grid_y
+    step_x, step_y = field[..., 0], field[..., 1]
+    active = weight
+    turn = slide_x = slide_y = 0.0
+    for round_number in range(reweightings + 1):
+        total = float(active.sum())
+        if total <= 0:
+            return 0.0, 0.0, 0.0
+        slide_x, slide_y = (float((active * step).sum()) / total for step in (step_x, step_y))
+        arm_x = x - float((active * x).sum()) / total
+        arm_y = y - float((active * y).sum()) / total
+        moved_x, moved_y = arm_x + (step_x - slide_x), arm_y + (step_y - slide_y)
+        across = float((active * (arm_x * moved_y - arm_y * moved_x)).sum())
+        along = float((active * (arm_x * moved_x + arm_y * moved_y)).sum())
+        turn = float(np.arctan2(across, along))
+        if round_number < reweightings:
+            cosine, sine = np.float32(np.cos(turn)), np.float32(np.sin(turn))
+            misfit = (moved_x - cosine * arm_x + sine * arm_y) ** 2
+            misfit += (moved_y - sine * arm_x - cosine * arm_y) ** 2
+            scale = float((weight * misfit).sum() / weight.sum())
+            active = weight / (1 + misfit / max(scale, MISFIT_FLOOR))
+    return turn, slide_x, slide_y
+
+
+def radius_of_gyration(weight: Field) -> float:
+    """Return the weighted rms distance from the weighted centre, in grid steps."""
+    total = float(weight.sum())
+    if total <= 0:
+        return 0.0
+    rows, columns = weight.shape
+    x, y = np.arange(columns), np.arange(rows)
+    by_column, by_row = weight.sum(axis=0) / total, weight.sum(axis=1) / total
+    variance_x = float(by_column @ x**2 - (by_column @ x) ** 2)
+    variance_y = float(by_row @ y**2 - (by_row @ y) ** 2)
+    return float(np.sqrt(max(variance_x + variance_y, 0.0)))
 
 
 GREEN = 1
@@ -195,6 +239,13 @@ GAIN = 2.0
 
 NEUTRAL = 128
 """Grey of an untouched pixel, mid-range so that brighter and darker imprints both fit."""
+
+PATCH_PX, REWEIGHTINGS = 8, 2
+"""Side of the patches that the flow matches, and rounds in which pixels off the rigid motion lose
+their weight."""
+
+MISFIT_FLOOR = 1e-6
+"""Squared px; keeps a perfect fit from dividing by zero."""
 
 LONGEST_SIDE = 320
 """Width of the GelSight Mini streams all constants were measured on, px."""

@@ -230,20 +230,17 @@ def _crop(bank: Planar, rng: np.random.Generator) -> Planar:
 @cache
 def _coded_bank() -> Planar:
     rng = np.random.default_rng(BANK_SEED + 1)
-    white = rng.standard_normal((4, CODED_ROWS, IMAGE_SIDE), dtype=np.float32)
-    soft = np.stack([_blurred_along(plane) for plane in white])
+    sigma, soft = {"sigmaX": CODED_BLUR_PX, "sigmaY": CODED_BLUR_PX}, []
+    for white in rng.standard_normal((4, CODED_ROWS, IMAGE_SIDE), dtype=np.float32):
+        columns = cv2.GaussianBlur(white, (1, 0), **sigma)
+        # In one line, a row goes on in the next: an image begins anywhere.
+        soft.append(cv2.GaussianBlur(columns.reshape(1, -1), (0, 1), **sigma)[0])
+    soft = np.stack(soft)
     soft /= soft.std(axis=1, keepdims=True)
     bank = np.sqrt(CODED_SHARED) * soft[:1] + np.sqrt(1 - CODED_SHARED) * soft[1:]
     bank = bank.astype(np.float32)
     bank.setflags(write=False)
     return bank
-
-
-def _blurred_along(plane: Planar) -> Planar:
-    """Return the blurred rows in one line; a row goes on in the next: an image begins anywhere."""
-    sigma = {"sigmaX": CODED_BLUR_PX, "sigmaY": CODED_BLUR_PX}
-    columns = cv2.GaussianBlur(plane, (1, 0), **sigma)
-    return cv2.GaussianBlur(columns.reshape(1, -1), (0, 1), **sigma)[0]
 
 
 @cache
@@ -263,55 +260,50 @@ class Recorder:
     def background(self, idle: Planar) -> NDArray[np.uint8]:
         """Return the idle frame as recorded before the touch; averaging wears its noise down."""
         if self.optics.video is None:
-            return recorded(idle, self.optics, self.rng, noise_share=BACKGROUND_NOISE)
+            return self._recorded(idle, noise_share=BACKGROUND_NOISE)
         # Noise that stands still does not average out.
-        return recorded(idle, self.optics, self.rng, still=coded_noise(self.rng))
+        return self._recorded(idle, still=coded_noise(self.rng))
 
     def next(self, frame: Planar) -> NDArray[np.uint8]:
         """Return the clip's next frame as recorded, uint8 (224, 224, 3)."""
-        optics, rng = self.optics, self.rng
-        drift = rng.normal(0, optics.drift_grey, 3).clip(-DRIFT_LIMIT_GREY, DRIFT_LIMIT_GREY)
-        video = optics.video
+        rng, video = self.rng, self.optics.video
+        drift = rng.normal(0, self.optics.drift_grey, 3).clip(-DRIFT_LIMIT_GREY, DRIFT_LIMIT_GREY)
         if video is not None:
             is_whole = rng.random() < video.frames_apart / WHOLE_EVERY
             if is_whole or self._still is None:
                 self._still = coded_noise(rng)
-        return recorded(frame, optics, rng, drift_grey=drift, still=self._still)
+        return self._recorded(frame, drift_grey=drift.tolist(), still=self._still)
 
+    def _recorded(
+        self,
+        frame: Planar,
+        *,
+        noise_share: float = 1.0,
+        drift_grey: Sequence[float] = (0.0, 0.0, 0.0),
+        still: Planar | None = None,
+    ) -> NDArray[np.uint8]:
+        """Return what the recording holds of a planar frame, 8 bit, perhaps lossy.
 
-def recorded(
-    frame: Planar,
-    optics: Optics,
-    rng: np.random.Generator,
-    *,
-    noise_share: float = 1.0,
-    drift_grey: Sequence[float] = (0.0, 0.0, 0.0),
-    still: Planar | None = None,
-) -> NDArray[np.uint8]:
-    """Return what the recording holds of a planar frame: 8 bit, perhaps lossy; (224, 224, 3) RGB.
-
-    The noise is `noise_share` of one frame's. In a video, `still` is planar noise of unit strength
-    that the last frame stored whole has left.
-    """
-    video = optics.video
-    sigmas = optics.noise_grey if video is None else video.predicted_grey
-    fresh = None if video is None else coded_noise(rng)
-    planes = []
-    for channel in range(3):
-        noise, sign = (
-            (unit_noise(rng), rng.random() < 0.5) if fresh is None else (fresh[channel], 1)
-        )
-        share, level = noise_share * sigmas[channel], float(drift_grey[channel])
-        share = share if sign else -share
-        plane = frame[channel]
-        if video is not None and still is not None:
-            plane = cv2.addWeighted(still[channel], video.whole_grey[channel], plane, 1.0, 0.0)
-            # A block that changes too little is copied: whole grey levels are added to whole ones.
-            np.rint(plane, out=plane)
-        # One pass for sum, rounding and clipping: a third of the time of five.
-        planes.append(cv2.addWeighted(noise, share, plane, 1.0, level, dtype=cv2.CV_8U))
-    if optics.jpeg_quality is None:
-        return cv2.merge(planes)
-    bgr = cv2.merge(planes[::-1])
-    code = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, optics.jpeg_quality])
-    return cv2.imdecode(code[1], cv2.IMREAD_COLOR_RGB)
+        The noise is `noise_share` of one frame's. In a video, `still` is planar noise of unit
+        strength that the last frame stored whole has left.
+        """
+        rng, video = self.rng, self.optics.video
+        fresh = None if video is None else coded_noise(rng)
+        planes = []
+        for channel, plane in enumerate(frame):
+            if video is None:
+                noise, sign = unit_noise(rng), 1 if rng.random() < 0.5 else -1
+                share = sign * noise_share * self.optics.noise_grey[channel]
+            else:
+                noise, share = fresh[channel], video.predicted_grey[channel]
+                plane = cv2.addWeighted(still[channel], video.whole_grey[channel], plane, 1.0, 0.0)
+                # A block that changes too little is copied: whole levels are added to whole ones.
+                np.rint(plane, out=plane)
+            # One pass for sum, rounding and clipping: a third of the time of five.
+            level = drift_grey[channel]
+            planes.append(cv2.addWeighted(noise, share, plane, 1.0, level, dtype=cv2.CV_8U))
+        if self.optics.jpeg_quality is None:
+            return cv2.merge(planes)
+        bgr = cv2.merge(planes[::-1])
+        code = cv2.imencode(".jpg", bgr, [cv2.IMWRITE_JPEG_QUALITY, self.optics.jpeg_quality])
+        return cv2.imdecode(code[1], cv2.IMREAD_COLOR_RGB)

@@ -52,9 +52,6 @@ LEAST_REACH_MM = 0.05
 """Height of the body that is looked at, per depth and at least: around a contact the gel bulges up
 by at most 0.3 of the depth on a pad as thick as a GelSight's (measured)."""
 
-LEAST_WORK = 1e-9
-"""Work, in mm^3 per shear modulus, of which no share is told: rounding."""
-
 Pose = tuple[float, float, float, float]
 """Depth in mm, x and y in mm, rotation in radians."""
 
@@ -178,7 +175,7 @@ def solve_contact(
 
 def normal_pressure(scene: Scene, profile: Profile, preset: Preset) -> NDArray[np.float64]:
     """Return the first frame's pressure per shear modulus on the contact grid, (cells, cells)."""
-    overlap = _overlap(scene, profile, preset, list(_poses(scene.path))[:1], np.inf)
+    overlap = _overlap(scene, profile, preset, scene.path.poses[:1], np.inf)
     solved = solve_normal_contact(overlap, preset.response(scene.gel), preset.effort)
     return solved.pressure[0].double().numpy()
 
@@ -187,11 +184,11 @@ def _pressed(
     scene: Scene, profile: Profile, preset: Preset, with_drift: bool, reach: float
 ) -> GridContact:
     """Solve all frames at once, without friction: each depends on its own pose only."""
-    overlap = _overlap(scene, profile, preset, list(_poses(scene.path)), reach)
+    overlap = _overlap(scene, profile, preset, scene.path.poses, reach)
     response = preset.response(scene.gel)
     contact = solve_normal_contact(overlap, response, preset.effort)
     worst = float(contact.penetration_um.max())
-    status = SolverStatus(worst, int(contact.iterations.max()), worst <= preset.acceptable_um)
+    status = SolverStatus(worst, worst <= preset.acceptable_um)
     drift = response.spread(contact.pressure) if with_drift else None
     touches = (contact.pressure > 0).flatten(1).any(1)
     return GridContact(contact.indentation_mm, drift, touches, overlap, reach, status)
@@ -210,23 +207,19 @@ def _dragged(scene: Scene, profile: Profile, preset: Preset, reach: float) -> Gr
     steps = march(increments, response, preset.effort, friction_coefficient=friction)
     kept: list[Step] = []
     overlaps: list[Tensor] = []
-    worst = SolverStatus(0.0, 0, True)
-    spent = rubbed = energy = 0.0
+    worst = SolverStatus(0.0, True, increments=len(increments))
     for step, (overlap, _), (_, ends_frame) in zip(steps, increments, substeps, strict=True):
-        rubbed += float(step.work) - (float(step.energy) - energy)
-        spent, energy = spent + max(float(step.work), 0.0), float(step.energy)
         worst = _worse(worst, step, friction, preset)
         if ends_frame:
             kept.append(step)
             overlaps.append(overlap)
-    worst = replace(worst, increments=len(increments))
     return GridContact(
         torch.cat([step.indentation_mm for step in kept]),
         torch.cat([step.drift_mm for step in kept]),
         torch.cat([(step.pressure > 0).flatten(1).any(1) for step in kept]),
         torch.cat(overlaps),
         reach,
-        replace(worst, dissipated_share=rubbed / spent if spent > LEAST_WORK else 0.0),
+        worst,
     )
 
 
@@ -241,8 +234,6 @@ def _worse(status: SolverStatus, step: Step, friction: float, preset: Preset) ->
         penetration_um=penetration,
         gradient_share=gradient,
         cone_excess=max(status.cone_excess, float(excess)),
-        iterations=max(status.iterations, step.iterations[0]),
-        friction_iterations=max(status.friction_iterations, step.iterations[1]),
         is_converged=penetration <= preset.acceptable_um and gradient <= preset.acceptable_share,
     )
 
@@ -278,13 +269,9 @@ def holds_detail(scene: Scene, profile: Profile, cells: int) -> bool:
     return profile.is_smooth(BOX_MM / cells, max(scene.path.depth_mm))
 
 
-def _poses(path: Path) -> Iterator[Pose]:
-    return zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
-
-
 def _substeps(path: Path, share: float) -> Iterator[tuple[Pose, bool]]:
     """Yield the poses to march through, and whether each is a frame's; small steps stay whole."""
-    poses = list(_poses(path))
+    poses = path.poses
     (slide_x, slide_y), pre_turn = path.pre_slide_mm, path.pre_turn_rad
     is_handled = bool(slide_x or slide_y or pre_turn)
     if is_handled:  # the object was dragged to the first frame's pose from another

@@ -275,7 +275,7 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
         "---",
         "license: apache-2.0",
         "tags: [tactile, gelsight, simulated]",
-        *_when(is_table, f'configs:\n- config_name: default\n  data_files: "shard-*{suffix}"'),
+        *[f'configs:\n- config_name: default\n  data_files: "shard-*{suffix}"'] * is_table,
         "---",
         "# Simulated touch clips",
         "",
@@ -297,26 +297,19 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
         "",
         f"Largest penetration the contact solver left: {worst_um:.1f} micrometres.",
         "",
-        *_when(
-            is_table,
+        *[
             "Each row: images `frame_0` to `frame_3` and `background`, the label's numbers and all "
-            "of it as JSON\n(`label`), and the fields as nested lists.\n",
-        ),
-        *_when(
-            not wanted["with_frames"],
-            "No picture was made: whether a motion is readable is estimated from the surface. Per "
-            "shard:",
-        ),
-        *_when(
-            wanted["with_frames"],
-            "Per shard:\n`frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,",
-        ),
+            "of it as JSON\n(`label`), and the fields as nested lists.\n"
+        ]
+        * is_table,
+        "Per shard:\n`frames` uint8 (clips, 4, 224, 224, 3) RGB, `backgrounds` the idle gel,"
+        if wanted["with_frames"]
+        else "No picture was made: whether a motion is readable is estimated from the surface. Per "
+        "shard:",
         "`displacement_px` (clips, 4, 14, 14, 2) travel of the object since frame 0 at each",
         "patch (x right, y down, pixels), `contact` and `depth_mm` (clips, 4, 14, 14),",
-        *_when(
-            wanted["with_drift"],
-            "`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,",
-        ),
+        *["`drift_px` (clips, 4, 14, 14, 2) the gel's own displacement from rest in pixels,"]
+        * wanted["with_drift"],
         "`mm_per_px`, `object_names`, `index`, and `labels` as JSON. Positive rotation is",
         "clockwise in the image. Directions are the object's relative to the sensor.",
         "",
@@ -324,10 +317,6 @@ def _card(out: Path, count: int, wanted: dict[str, Any]) -> str:
         "",
     ]
     return "\n".join(lines)
-
-
-def _when(is_so: bool, text: str) -> list[str]:
-    return [text] if is_so else []
 
 
 def _component_lines(labels: list[MotionLabel]) -> list[str]:

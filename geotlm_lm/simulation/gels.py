@@ -39,11 +39,6 @@ class GelKind:
     flat_share: float = 0.0  # share of pads without a dome; a Mini's has one
     most_px: float | None = None  # longest path of a motion; None for any
 
-    def random_lamps(self, rng: np.random.Generator) -> Lamps:
-        """Return the lamps as a camera sees them: a Mini's picture is always the same way up."""
-        turn = int(rng.integers(4))
-        return self.lamps if self.lamps is GELSIGHT_MINI else self.lamps.turned(turn)
-
 
 def _lit_from(
     sides_deg: Three, *, slope: float, ambient: Three, lobe: Three, width: float, **others

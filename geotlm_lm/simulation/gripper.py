@@ -21,10 +21,10 @@ from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import Twist
 from geotlm_lm.simulation.camera import Recorder, idle_frame
 from geotlm_lm.simulation.contact import BOX_MM, FAST, normal_pressure
-from geotlm_lm.simulation.optics import lit, turned_lights
+from geotlm_lm.simulation.optics import lit
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise import random_scene
-from geotlm_lm.simulation.scene import Path, Scene
+from geotlm_lm.simulation.scene import Path
 from geotlm_lm.simulation.surface import pressed_surface
 
 Task = Literal["tighten", "pull", "loosen"]
@@ -40,49 +40,6 @@ HELD_DEPTH_MM, OFF_MM = (0.7, 1.2), 1.0
 
 PITCH_MM = 2.0
 """Rise of the thread in a turn, as of a bottle's."""
-
-
-class PressedSensor:
-    """Takes a picture of an object pressed on the gel in any pose.
-
-    Args:
-        scene: Object, gel, optics.
-        rng: Draws the noise.
-    """
-
-    def __init__(self, scene: Scene, rng: np.random.Generator) -> None:
-        self._scene, self._profile = scene, build_profile(scene.body)
-        optics = scene.optics
-        self._recorder, self._lights = Recorder(optics, rng), turned_lights(optics)
-        idle = idle_frame(optics.idle, optics.mounting, optics.lamps)
-        self._base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
-
-    def frame(self, depth_mm: float, x_mm: float, y_mm: float, turn_rad: float) -> Frames:
-        """Return the picture, uint8 (224, 224, 3) RGB, of the object in a pose."""
-        image = self._base
-        if depth_mm > 0:
-            pose = Path((depth_mm,), (x_mm,), (y_mm,), (turn_rad,))
-            surface = pressed_surface(replace(self._scene, path=pose), self._profile)
-            image = lit(surface.indentation_mm[0], image, self._scene.optics, lights=self._lights)
-        return self._recorder.next(image)
-
-    def grip(self, depth_mm: float) -> tuple[Grip, Grip]:
-        """Return how the contact at a depth holds against a turn, and against a slide."""
-        path = self._scene.path
-        pose = Path((depth_mm,), path.x_mm[:1], path.y_mm[:1], path.rotation_rad[:1])
-        scene = replace(self._scene, path=pose)
-        pressure = normal_pressure(scene, self._profile, FAST)
-        cell = BOX_MM / len(pressure)
-        axis = (np.arange(len(pressure)) - (len(pressure) - 1) / 2) * cell
-        x, y = np.meshgrid(axis, axis)
-        force = pressure.sum() * cell**2
-        middle = (pressure * x).sum() / pressure.sum(), (pressure * y).sum() / pressure.sum()
-        arm = np.hypot(x - middle[0], y - middle[1])
-        radius = math.sqrt(float((pressure > 0).sum()) * cell**2 / math.pi)
-        friction, nu = scene.gel.friction, scene.gel.poisson_ratio
-        # Of a disc on a half-space of unit shear modulus (Johnson 1985, 3.7 and 3.9).
-        turn = Grip(16 / 3 * radius**3, friction * float((pressure * arm).sum()) * cell**2)
-        return turn, Grip(8 * radius / (2 - nu), friction * float(force))
 
 
 @dataclass(frozen=True)
@@ -199,14 +156,16 @@ class Gripper:
         # Held about its middle, as a gripper takes it.
         place = (float(rng.uniform(*HELD_DEPTH_MM)), *rng.uniform(-OFF_MM, OFF_MM, 2).tolist())
         pose = (*place, scene.path.rotation_rad[0])
-        scene = replace(scene, path=Path(*((each,) for each in pose)))
+        self._scene = replace(scene, path=Path(*((number,) for number in pose)))
+        self._profile, self._is_seen = build_profile(scene.body), is_seen
         self._depth, *self._at = pose
-        sensor = PressedSensor(scene, rng)
-        self._sensor = sensor if is_seen else None
-        self.carried = Carried(sensor.grip(self._depth)[task == "pull"])
+        self._recorder, optics = Recorder(scene.optics, rng), scene.optics
+        idle = idle_frame(optics.idle, optics.mounting, optics.lamps)
+        self._base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
+        self.carried = Carried(self.grips(self._depth)[task == "pull"])
         self._count, self._moving_s = -1, 0.0
         self._wrist = self._tool = 0.0  # rad, or mm of a pull
-        self._lost_s: float | None = None
+        self.lost_s: float | None = None  # when contact was lost; None where it was not
 
     def again(self) -> Gripper:
         """Return the same gripper before it moved, without pictures."""
@@ -237,10 +196,21 @@ class Gripper:
         """How far the wrist was commanded to turn, clockwise."""
         return math.degrees(self._wrist)
 
-    @property
-    def lost_s(self) -> float | None:
-        """When contact was lost; None where it was not."""
-        return self._lost_s
+    def grips(self, depth_mm: float) -> tuple[Grip, Grip]:
+        """Return how the contact at a depth holds against a turn, and against a slide."""
+        pose = replace(self._scene.path, depth_mm=(depth_mm,))
+        pressure = normal_pressure(replace(self._scene, path=pose), self._profile, FAST)
+        cell = BOX_MM / len(pressure)
+        axis = (np.arange(len(pressure)) - (len(pressure) - 1) / 2) * cell
+        x, y = np.meshgrid(axis, axis)
+        force = pressure.sum() * cell**2
+        middle = (pressure * x).sum() / pressure.sum(), (pressure * y).sum() / pressure.sum()
+        arm = np.hypot(x - middle[0], y - middle[1])
+        radius = math.sqrt(float((pressure > 0).sum()) * cell**2 / math.pi)
+        friction, nu = self._scene.gel.friction, self._scene.gel.poisson_ratio
+        # Of a disc on a half-space of unit shear modulus (Johnson 1985, 3.7 and 3.9).
+        turn = Grip(16 / 3 * radius**3, friction * float((pressure * arm).sum()) * cell**2)
+        return turn, Grip(8 * radius / (2 - nu), friction * float(force))
 
     def step(self, rate: float) -> Seen:
         """Move on by a frame and return what is seen then.
@@ -257,9 +227,9 @@ class Gripper:
         self.carried.pull(self._tool - before, self.setting.load_at(self._moving_s))
         self._moving_s += (step != 0) / self.fps
         depth = self._depth_now()
-        if depth <= 0 and self.is_ready and self._lost_s is None:
-            self._lost_s = self.time_s
-        frame = None if self._sensor is None else self._picture(depth)
+        if depth <= 0 and self.is_ready and self.lost_s is None:
+            self.lost_s = self.time_s
+        frame = self._picture(depth) if self._is_seen else None
         return Seen(frame, self.time_s, self._own(step))
 
     def _played(self) -> float:
@@ -279,13 +249,17 @@ class Gripper:
         return -1.0 if -self.turned_deg >= self.setting.thread_ends_deg else depth
 
     def _picture(self, depth: float) -> Frames:
-        x, y, turn = self._at
-        relative = self.carried.relative
+        image, (x, y, turn), relative = self._base, self._at, self.carried.relative
         if self.task == "pull":
-            return self._sensor.frame(depth, x + relative, y, turn)
-        # About the view's middle, where the wrist's axis is: the contact's middle goes along.
-        cos, sin = math.cos(relative), math.sin(relative)
-        return self._sensor.frame(depth, cos * x - sin * y, sin * x + cos * y, turn + relative)
+            x += relative
+        else:  # about the view's middle, where the wrist's axis is: the contact's middle goes along
+            cos, sin = math.cos(relative), math.sin(relative)
+            x, y, turn = cos * x - sin * y, sin * x + cos * y, turn + relative
+        if depth > 0:
+            pose = replace(self._scene, path=Path((depth,), (x,), (y,), (turn,)))
+            surface = pressed_surface(pose, self._profile)
+            image = lit(surface.indentation_mm[0], image, pose.optics)
+        return self._recorder.next(image)
 
     def _own(self, step: float) -> Twist:
         if self.task == "pull":

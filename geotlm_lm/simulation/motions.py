@@ -177,9 +177,7 @@ def dominant_motion(path: Path, radius_mm: float = CONTACT_RADIUS_MM) -> Motion:
 
     Turn and travel, the object's centre's, are compared at the contact's radius.
     """
-    x, y = path.x_mm[-1] - path.x_mm[0], path.y_mm[-1] - path.y_mm[0]
-    turn = path.rotation_rad[-1] - path.rotation_rad[0]
-    inward = path.depth_mm[-1] - path.depth_mm[0]
+    inward, x, y, turn = path.change()
     turned_mm, slid_mm = abs(turn) * radius_mm, float(np.hypot(x, y))
     if max(turned_mm, slid_mm) < LEAST_PATH_MM:
         if abs(inward) < LEAST_PRESS_MM:
@@ -195,8 +193,7 @@ def longest_mm(path: Path) -> float:
 
     The turn's path is that of the rim of a contact twice as wide as `CONTACT_RADIUS_MM`.
     """
-    x, y = path.x_mm[-1] - path.x_mm[0], path.y_mm[-1] - path.y_mm[0]
-    turn = path.rotation_rad[-1] - path.rotation_rad[0]
+    _, x, y, turn = path.change()
     return float(np.hypot(x, y)) + 2 * CONTACT_RADIUS_MM * abs(turn)
 
 

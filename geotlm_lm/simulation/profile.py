@@ -7,8 +7,8 @@ object's own frame, lean and texture included. Outside a finite object it is abo
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import cv2
@@ -60,6 +60,8 @@ class Profile:
     height_mm: HeightMap  # (RASTER_SIDE, RASTER_SIDE), the leaning body above its lowest point
     middle_mm: tuple[float, float]  # what a pose's (x, y) places, in the object's frame
     is_extended: bool  # it goes on beyond the raster (mirrored there) instead of ending
+    # What was asked before: bounds by reach, smoothness by spacing and reach.
+    _known: dict[Any, Any] = field(default_factory=dict)
 
     def sample(
         self, pose: Pose, mm_per_px: tuple[float, float], side: int, window: Window | None = None
@@ -124,11 +126,6 @@ class Profile:
                 ((left + width + 0.5) * raster - half, (top + height + 0.5) * raster - half),
             )
         return self._known[reach_mm]
-
-    @cached_property
-    def _known(self) -> dict[Any, Any]:
-        """What was asked before: bounds by reach, smoothness by spacing and reach."""
-        return {}
 
     def on_cells(
         self,

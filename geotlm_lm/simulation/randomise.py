@@ -253,7 +253,10 @@ def _random_sensor(
         return random_optics(rng), random_gel(rng), GELS["mini"]
     kind = random_kind(rng, gels)
     aspect = WIDE_ASPECT if rng.random() < WIDE_ASPECT_SHARE else ASPECT
-    optics = random_optics(rng, kind.random_lamps(rng), aspect)
+    # A Mini's picture is always the same way up.
+    turn = int(rng.integers(4))
+    lamps = kind.lamps if kind.lamps is GELSIGHT_MINI else kind.lamps.turned(turn)
+    optics = random_optics(rng, lamps, aspect)
     gel, is_flat = random_gel(rng), rng.random() < kind.flat_share
     markers = random_print(rng, kind.printed)
     return replace(optics, markers=markers), replace(gel, dome=0.0) if is_flat else gel, kind
@@ -304,8 +307,11 @@ def random_optics(
     zoom, ratio = rng.uniform(*ZOOM), rng.uniform(*aspect)
     strength = log_uniform(rng, STRENGTH)
     turns = np.radians(lamps.usual_turn_deg + rng.uniform(-1, 1, 3) * LIGHT_TURN_DEG)
-    # White light is the same in all channels.
-    alike = _first_of_three if lamps.is_white else _three
+
+    def alike(values) -> Three:
+        """White light is the same in all channels."""
+        return _three([values[0]] * 3 if lamps.is_white else values)
+
     is_other_session = rng.random() < SESSION_SHARE
     how = rng.random()
     return Optics(
@@ -352,7 +358,3 @@ def _random_video(rng: np.random.Generator) -> VideoCodec:
 def _three(values: Sequence[float] | np.ndarray) -> Three:
     first, second, third = (float(value) for value in values)
     return first, second, third
-
-
-def _first_of_three(values: Sequence[float] | np.ndarray) -> Three:
-    return (float(values[0]),) * 3

@@ -104,9 +104,14 @@ class Path:
         return len(self.depth_mm)
 
     @property
-    def stands_still(self) -> bool:
-        """Whether every frame has the same pose."""
-        return all(min(getattr(self, name)) == max(getattr(self, name)) for name in _POSE)
+    def poses(self) -> list[tuple[float, float, float, float]]:
+        """Depth in mm, x and y in mm, and rotation in radians of every frame."""
+        return list(zip(*(getattr(self, name) for name in _POSE), strict=True))
+
+    def change(self, last: int = -1) -> tuple[float, float, float, float]:
+        """Return how far the object comes until frame `last`: inward, right, down, turn in rad."""
+        poses = self.poses
+        return tuple(now - before for before, now in zip(poses[0], poses[last], strict=True))
 
     def shortened(self, share: float) -> Path:
         """Return the path with all of its motion shortened to a share, about its middle."""
@@ -185,11 +190,6 @@ class Lamps:
     def mean_grey(self) -> NDArray[np.float32]:
         """R, G, B of the untouched gel at the inner nine points: few contacts lie at the border."""
         return self.levels[:, 1:-1, 1:-1].mean(axis=(1, 2))
-
-    @property
-    def is_directional(self) -> bool:
-        """Whether a slope's direction changes its brightness, not its steepness alone."""
-        return any(any(row) for row in self.rows)
 
     def turned(self, quarters: int) -> Lamps:
         """Return the lamps turned clockwise by quarters, as a camera mounted otherwise sees them.

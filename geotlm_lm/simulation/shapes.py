@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UsageError, first_line
 from geotlm_lm.core.image_size import declared_size, is_cut_off
 
 RASTER_SIDE = 400
@@ -240,9 +240,8 @@ def _read_npy(path: Path) -> NDArray[np.floating]:
         raise UsageError(f"{path}: cannot be read ({error.strerror}); check the name.") from error
     except Exception as error:
         # A damaged header fails in a dozen ways: ValueError, TokenError, OverflowError, ...
-        reason = (str(error).splitlines() or [type(error).__name__])[0]
         raise UsageError(
-            f"{path}: cannot be read as .npy ({reason}); save it with np.save."
+            f"{path}: cannot be read as .npy ({first_line(error)}); save it with np.save."
         ) from error
 
 

@@ -16,9 +16,8 @@ from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.simulation.camera import Recorder, idle_frame
 from geotlm_lm.simulation.contact import Preset, PresetName, preset_named
-from geotlm_lm.simulation.optics import lit, turned_lights
-from geotlm_lm.simulation.prints import print_shade
-from geotlm_lm.simulation.profile import Profile, build_profile
+from geotlm_lm.simulation.optics import lit, print_shade, turned_lights
+from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.scene import Optics, Scene
 from geotlm_lm.simulation.solvers import SolverStatus
@@ -27,11 +26,9 @@ from geotlm_lm.simulation.truth import (
     ComponentTruth,
     Trace,
     components_of,
-    image_change,
     label_for,
     patch_displacement,
     patch_means,
-    shading_change,
     trace_of,
     twist_of,
 )
@@ -175,13 +172,13 @@ def _simulated(
         displacement = patch_displacement(scene, contact)
     return SimulatedClip(
         clip=clip,
-        trace_until=_trace_until(scene, profile, surface, clean),
+        trace_until=partial(trace_of, scene, profile, surface, clean),
         scene=scene,
         displacement_px=displacement,
         contact=contact,
         depth_mm=depth,
         drift_px=drift,
-        status=surface.status if surface is not None else SolverStatus(0.0, 0, True, preset.name),
+        status=surface.status if surface is not None else SolverStatus(0.0, True, preset.name),
         timing_ms=timing_ms,
     )
 
@@ -204,26 +201,6 @@ def _patch_fields(
     return contact, depth, drift
 
 
-def _trace_until(
-    scene: Scene,
-    profile: Profile | None,
-    surface: Surface | None,
-    clean: list[NDArray[np.float32]] | None,
-) -> Callable[[int], Trace]:
-    """Return what tells, by frame number, what there is to see since the first frame."""
-    if surface is None:
-        return lambda last: Trace()
-    touches, depths = surface.touches, surface.indentation_mm
-
-    def change_until(last: int) -> float:
-        where = touches[0] | touches[last]
-        if clean is None:
-            return shading_change(scene.optics, depths[0], depths[last], where)
-        return image_change(clean[0], clean[last], where)
-
-    return partial(trace_of, scene, profile, change_until, touches)
-
-
 def _render(
     scene: Scene, surface: Surface | None, rng: np.random.Generator
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint8], list[NDArray[np.float32]]]:
@@ -236,7 +213,8 @@ def _render(
     background = recorder.background(marked)
     base = idle * (1 + np.asarray(optics.light_change, np.float32))[:, None, None]
     clean, frames = [], np.empty((len(scene.path), *background.shape), np.uint8)
-    is_drawn_once = surface is not None and surface.is_repeated and not _carries(optics)
+    is_repeated = surface is not None and surface.indentation_mm.strides[0] == 0
+    is_drawn_once = is_repeated and not _carries(optics)
     # Each frame is recorded while what was just drawn is still in the processor's cache.
     for frame, recorded in enumerate(frames):
         image = base

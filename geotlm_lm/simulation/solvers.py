@@ -68,27 +68,23 @@ Response = LayerOperator | HalfSpaceOperator
 
 @dataclass(frozen=True)
 class SolverStatus:
-    """How well a clip's contact problem was solved; iterations are those of the hardest frame."""
+    """How well a clip's contact problem was solved."""
 
     penetration_um: float  # largest overlap left, or gap under a cell that presses
-    iterations: int
     is_converged: bool  # every residual is acceptable; running out of steps is not
     preset: str = ""  # the one that gave the result, as asked for or harder
     gradient_share: float = 0.0  # projected gradient of friction relative to the increment
     cone_excess: float = 0.0  # of a traction over its friction disc, relative to the widest
-    friction_iterations: int = 0
-    dissipated_share: float = 0.0  # of the work; below 0 by the time steps' error alone
     increments: int = 0  # marched through with friction; as many as frames if every step is small
 
 
 @dataclass(frozen=True)
 class Pressed:
-    """Solution of a batch: fields (n, side, side), penetration left and steps spent (n,)."""
+    """Solution of a batch: fields (n, side, side), penetration left (n,)."""
 
     pressure: Tensor
     indentation_mm: Tensor
     penetration_um: Tensor
-    iterations: Tensor
 
 
 def solve_normal_contact(
@@ -102,24 +98,20 @@ def solve_normal_contact(
     """
     pressure, indentation = torch.zeros_like(overlap_mm), torch.zeros_like(overlap_mm)
     penetration = overlap_mm.new_zeros(len(overlap_mm))
-    iterations = torch.zeros(len(overlap_mm), dtype=torch.int64)
     pending = (overlap_mm.flatten(1).amax(1) > 0).nonzero().flatten()
-    # Most often all are pending: a slice then needs no copying.
-    some = slice(None) if len(pending) == len(overlap_mm) else pending
     if len(pending):
-        start = None if guess is None else guess[some]
-        pressure[some], indentation[some] = _first_guess(overlap_mm[some], response, start)
+        start = None if guess is None else guess[pending]
+        guessed = _first_guess(overlap_mm[pending], response, start)
+        pressure[pending], indentation[pending] = guessed
     for budget in effort.normal_rounds:
         if len(pending) == 0:
             break
-        some = slice(None) if len(pending) == len(overlap_mm) else pending
-        pressure[some], indentation[some], left, spent = _conjugate_gradients(
-            pressure[some], indentation[some], overlap_mm[some], response, budget, effort.enough_um
-        )
-        penetration[some] = left
-        iterations[some] += spent
+        fields = (field[pending] for field in (pressure, indentation, overlap_mm))
+        solved = _conjugate_gradients(*fields, response, budget, effort.enough_um)
+        pressure[pending], indentation[pending], left = solved
+        penetration[pending] = left
         pending = pending[left > effort.penetration_um]
-    return Pressed(pressure, indentation, penetration, iterations)
+    return Pressed(pressure, indentation, penetration)
 
 
 def _first_guess(
@@ -148,15 +140,15 @@ def _conjugate_gradients(
     response: Response,
     budget: int,
     enough_um: float,
-) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+) -> tuple[Tensor, Tensor, Tensor]:
     """Spend `budget` steps on every sample, fewer on one that is solved to `enough_um` before.
 
-    Returns the pressure, its indentation, the penetration left in micrometres, and the steps, (n,).
+    Returns the pressure, its indentation, and the penetration left in micrometres, (n,).
     """
     direction = torch.zeros_like(pressure)
     old_square = pressure.new_ones(len(pressure), 1, 1)
     restart = torch.ones(len(pressure), 1, 1, dtype=torch.bool)
-    going, spent = restart, torch.zeros(len(pressure), dtype=torch.int64)
+    going = restart
     for step_number in range(budget):
         residual = overlap_mm - indentation
         # Passes over a small grid cost their calls: factors of 0 and 1 take the place of choices.
@@ -174,12 +166,11 @@ def _conjugate_gradients(
         step = _dot(residual, direction) / _dot(direction, image).clamp_min_(TINY)
         # A sample that is done stands still: none depends on which others are solved beside it.
         pressure = torch.addcmul(pressure, direction, step * going)
-        spent += going.flatten()
         restart = pressure.amin((1, 2), keepdim=True) < 0
         pressure.clamp_min_(0.0)
         old_square = square
         indentation = response.press(pressure)
-    return pressure, indentation, misfit_um(overlap_mm, indentation, pressure), spent
+    return pressure, indentation, misfit_um(overlap_mm, indentation, pressure)
 
 
 def _dot(first: Tensor, second: Tensor) -> Tensor:
@@ -196,8 +187,8 @@ def misfit_um(overlap_mm: Tensor, indentation_mm: Tensor, pressure: Tensor) -> T
 
 def solve_friction(
     target_mm: Tensor, limit: Tensor, response: Response, effort: Effort, *, guess: Tensor
-) -> tuple[Tensor, Tensor, int]:
-    """Return tractions (n, 2, side, side), their gradient shares (n,) and the steps spent.
+) -> tuple[Tensor, Tensor]:
+    """Return tractions (n, 2, side, side) and their gradient shares (n,).
 
     The gradient share is the RMS of the projected gradient over the contact relative to what the
     increment asks for, or to what the discs allow where that is less: otherwise a small increment
@@ -214,10 +205,10 @@ def solve_friction(
     allowed = _rms(limit[:, None], touched) / natural
     asked = torch.minimum(_rms(gradient, touched), allowed).clamp_min(LEAST_INCREMENT_MM)
     length = torch.full_like(asked, natural)
-    iteration = 0
     share = _gradient_share(traction, gradient, limit, natural, touched, asked)
-    most, tolerance = effort.friction_iterations, effort.gradient_share
-    while iteration < most and bool((share > tolerance).any()):
+    for iteration in range(effort.friction_iterations):
+        if not bool((share > effort.gradient_share).any()):
+            break
         direction = onto_discs(traction - length * gradient, limit) - traction
         image = torch.where(touched, response.shear(direction), 0.0)
         slope, curvature = _dot(gradient, direction), _dot(direction, image)
@@ -229,9 +220,8 @@ def solve_friction(
         else:
             length = curvature / _dot(image, image).clamp_min(TINY)
         length = torch.where(curvature > 0, length, natural).clamp(0.01 * natural, 100 * natural)
-        iteration += 1
         share = _gradient_share(traction, gradient, limit, natural, touched, asked)
-    return traction, share, iteration
+    return traction, share
 
 
 def onto_discs(traction: Tensor, limit: Tensor) -> Tensor:
@@ -264,7 +254,6 @@ class Step:
         gradient_share: Projected gradient of the frictional problem, (n,).
         work: Work the object did in this increment, energy per shear modulus, mm^3, (n,).
         energy: Elastic energy stored, mm^3, (n,).
-        iterations: Steps spent on the normal and on the frictional problem.
     """
 
     pressure: Tensor
@@ -275,7 +264,6 @@ class Step:
     gradient_share: Tensor
     work: Tensor
     energy: Tensor
-    iterations: tuple[int, int]
 
 
 def march(
@@ -293,7 +281,7 @@ def march(
     """
     rest = torch.zeros_like(increments[0][0])
     plane, none = rest[:, None].expand(-1, 2, -1, -1), rest.new_zeros(len(rest))
-    last = Step(rest, plane, rest, plane, none, none, none, none, (0, 0))
+    last = Step(rest, plane, rest, plane, none, none, none, none)
     mu = torch.as_tensor(friction_coefficient, dtype=rest.dtype)
     for overlap, travel in increments:
         last = _advance(last, overlap, travel, response, mu, effort)
@@ -303,16 +291,11 @@ def march(
 def _advance(last: Step, overlap_mm, travel_mm, response: Response, mu, effort: Effort) -> Step:
     traction, pressure = last.traction, last.pressure
     free = overlap_mm - response.bulge(traction)
-    normal_spent = friction_spent = 0
     for done in range(1, effort.most_passes + 1):
         contact = solve_normal_contact(free, response, effort, guess=pressure)
         pressure = contact.pressure
         target = last.drift_mm + travel_mm - response.spread(pressure)
-        traction, share, spent = solve_friction(
-            target, mu * pressure, response, effort, guess=traction
-        )
-        normal_spent += int(contact.iterations.max())
-        friction_spent += spent
+        traction, share = solve_friction(target, mu * pressure, response, effort, guess=traction)
         free = overlap_mm - response.bulge(traction)
         left_um = misfit_um(free, contact.indentation_mm, pressure)
         if done >= effort.passes and bool((left_um <= effort.penetration_um).all()):
@@ -333,7 +316,6 @@ def _advance(last: Step, overlap_mm, travel_mm, response: Response, mu, effort: 
         gradient_share=share,
         work=(pressed.sum((1, 2)) + dragged.sum((1, 2, 3))) * cell,
         energy=stored / 2 * cell,
-        iterations=(normal_spent, friction_spent),
     )
 
 

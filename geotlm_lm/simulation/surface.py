@@ -56,11 +56,6 @@ class Surface:
     drift_mm: NDArray[np.float32] | None
     status: SolverStatus
 
-    @property
-    def is_repeated(self) -> bool:
-        """Whether every frame is the first one, kept once."""
-        return self.indentation_mm.strides[0] == 0
-
 
 @contextmanager
 def timed(timing_ms: dict[str, float], stage: str) -> Iterator[None]:
@@ -87,7 +82,7 @@ def pressed_surface(
     timing_ms = {} if timing_ms is None else timing_ms
     drags = with_drift and scene.gel.friction > 0
     count = len(scene.path)
-    if scene.path.stands_still and count > 1 and not drags:
+    if len(set(scene.path.poses)) == 1 < count and not drags:
         once = replace(scene, path=scene.path.start)
         first = pressed_surface(once, profile, preset, with_drift=with_drift, timing_ms=timing_ms)
         fields = (first.indentation_mm, first.touches, first.drift_mm)
@@ -98,8 +93,7 @@ def pressed_surface(
         return Surface(*repeated, first.status)
     with timed(timing_ms, "frictional_contact" if drags else "normal_contact"):
         contact = solve_contact(scene, profile, preset, with_drift=with_drift)
-    cells = contact.indentation_mm.shape[-1]
-    is_smooth = holds_detail(scene, profile, cells)
+    is_smooth = holds_detail(scene, profile, contact.indentation_mm.shape[-1])
     with timed(timing_ms, "interpolation"):
         solved, surface = _interpolated(scene, contact, with_gap=is_smooth)
     if not is_smooth:
@@ -150,15 +144,15 @@ def _print_through(
     path, optics = scene.path, scene.optics
     mm_per_px = optics.mm_per_px
     dome = dome_mm(scene.gel, mm_per_px, IMAGE_SIDE, optics.mounting)
-    poses = list(zip(path.x_mm, path.y_mm, path.rotation_rad, strict=True))
     for frame in frames:
-        window = profile.window(poses[frame], mm_per_px, IMAGE_SIDE, reach)
+        depth, *pose = path.poses[frame]
+        window = profile.window(pose, mm_per_px, IMAGE_SIDE, reach)
         inside = window.slices
         elastic, coated = solved[frame][inside], surface.indentation_mm[frame][inside]
         if not elastic.size:
             continue
-        rigid = profile.sample(poses[frame], mm_per_px, IMAGE_SIDE, window)
-        np.subtract(np.float32(path.depth_mm[frame]) - dome[inside], rigid, out=rigid)
+        rigid = profile.sample(pose, mm_per_px, IMAGE_SIDE, window)
+        np.subtract(np.float32(depth) - dome[inside], rigid, out=rigid)
         # Detail finer than a cell prints through wherever the object reaches below the solution.
         surface.touches[frame][inside] = rigid > elastic - np.float32(TOUCH_TOLERANCE_MM)
         np.maximum(coated, rigid, out=coated)

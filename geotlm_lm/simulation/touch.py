@@ -62,12 +62,10 @@ class Touch:
     @cached_property
     def contact(self) -> Contact | None:
         """Where it touches in the last frame, or where it let go in the first; None for nowhere."""
-        path = self._path()
-        poses = zip(path.depth_mm, path.x_mm, path.y_mm, path.rotation_rad, strict=True)
-        first, *_, last = (Path(*((number,) for number in pose)) for pose in poses)
+        first, *_, last = self._path().poses
         for pose in (last, first):
-            if pose.depth_mm[0] > 0:
-                scene = self._scene(pose, Motion.STILL)
+            if pose[0] > 0:
+                scene = self._scene(Path(*((number,) for number in pose)), Motion.STILL)
                 touches = pressed_surface(scene, build_profile(scene.body)).touches[0]
                 if touches.any():
                     return contact_of(scene, touches)

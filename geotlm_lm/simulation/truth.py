@@ -19,12 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.geometry import GRID_SIDE, IMAGE_SIDE, PATCH_SIDE
-from geotlm_lm.core.labels import DIRECTED, ROTATIONS, SLIDES, Motion, MotionLabel
+from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, Component, Twist, moves
 from geotlm_lm.simulation.contact import dome_mm
-from geotlm_lm.simulation.optics import turned_lights
+from geotlm_lm.simulation.optics import slopes_of, turned_lights
 from geotlm_lm.simulation.profile import Profile
-from geotlm_lm.simulation.scene import Optics, Scene
+from geotlm_lm.simulation.scene import Optics, Path, Scene
+from geotlm_lm.simulation.surface import Surface
 
 Floats = NDArray[np.float32]
 
@@ -56,42 +57,32 @@ class Trace:
     radius_px: float = 0.0  # of gyration
     visible_grey: tuple[float, float, float] = (0.0, 0.0, 0.0)  # of `visible_change`
 
-    def shows(self, motion: Motion, dominance: float = 1.0) -> bool:
-        """Tell whether a camera could see `motion`, and whether it is so many times the greater.
-
-        A turn about an axis far beside the contact carries the contact along farther than it turns
-        it: its picture is a slide's, whatever the hand did.
-        """
-        is_greater = True
-        if motion in ROTATIONS:
-            is_greater = self.turn_mm >= dominance * self.slide_mm
-        elif motion in SLIDES:
-            is_greater = self.slide_mm >= dominance * self.turn_mm
-        return is_greater and self.change_grey >= READABLE_GREY
-
 
 def trace_of(
-    scene: Scene,
-    profile: Profile,
-    change_until: Callable[[int], float],
-    touches: NDArray[np.bool_],
-    last: int,
+    scene: Scene, profile: Profile, surface: Surface | None, clean: list[Floats] | None, last: int
 ) -> Trace:
     """Return what there is to see between frame 0 and frame `last`.
 
-    The change of the picture over the contact since frame 0, in grey levels, is asked for by frame
-    number. `touches` is where the object is against the gel, (frames, 224, 224).
+    Without a surface nothing touches. `clean` are planar frames without noise; without any the
+    change of the picture is estimated from the surface.
     """
-    frame = last if touches[last].any() else 0
-    if last == 0 or not touches[frame].any():
+    if surface is None or last == 0:
         return Trace()
+    touches, depths = surface.touches, surface.indentation_mm
+    frame = last if touches[last].any() else 0
+    if not touches[frame].any():
+        return Trace()
+    where = touches[0] | touches[last]
+    if clean is None:
+        change_grey = shading_change(scene.optics, depths[0], depths[last], where)
+    else:
+        change_grey = image_change(clean[0], clean[last], where)
     contact = contact_of(scene, touches[frame])
     x, y, turn_rad = motion_at_contact(scene, contact.middle_mm, last)
     travel_px = x / scene.optics.mm_per_px_x, y / scene.optics.mm_per_px_y
-    inward_mm = scene.path.depth_mm[last] - scene.path.depth_mm[0]
-    twist = Twist(math.degrees(turn_rad), *travel_px, inward_mm)
+    twist = Twist(math.degrees(turn_rad), *travel_px, scene.path.change(last)[0])
     return Trace(
-        change_grey=change_until(last),
+        change_grey=change_grey,
         turn_mm=abs(turn_rad) * contact.radius_mm,
         slide_mm=float(np.hypot(x, y)),
         travel_px=travel_px,
@@ -133,10 +124,7 @@ def shading_change(
         return 0.0
     change = 0.0
     for sign, depth in ((1, last_mm), (-1, first_mm)):
-        slopes = [
-            -cv2.Sobel(depth, cv2.CV_32F, *axis, ksize=3, scale=0.125 / size)[where]
-            for axis, size in (((1, 0), optics.mm_per_px_x), ((0, 1), optics.mm_per_px_y))
-        ]
+        slopes = [slope[where] for slope in slopes_of(depth, optics.mm_per_px)]
         steep = np.square(slopes).sum(axis=0)
         soft = np.stack(slopes) / np.sqrt(1 + optics.saturation**2 * steep)
         shade = turned_lights(optics) @ soft + np.outer(optics.depth_gain, depth[where])
@@ -151,13 +139,18 @@ def motion_at_contact(
 
     The travel is that of the object's point that lies in the middle of the contact in frame `last`.
     """
-    path, (middle_x, middle_y) = scene.path, middle_mm
-    turn = path.rotation_rad[last] - path.rotation_rad[0]
-    # The point now at the middle stood at c0 + R(-turn)(middle - c).
-    from_x, from_y = middle_x - path.x_mm[last], middle_y - path.y_mm[last]
-    moved_x = middle_x - (path.x_mm[0] + np.cos(turn) * from_x + np.sin(turn) * from_y)
-    moved_y = middle_y - (path.y_mm[0] - np.sin(turn) * from_x + np.cos(turn) * from_y)
-    return float(moved_x), float(moved_y), float(turn)
+    x, y = _moved(scene.path, last, *middle_mm)
+    return float(x), float(y), scene.path.change(last)[3]
+
+
+def _moved(path: Path, frame: int, x_mm, y_mm):
+    """Return how far the object's point now at (x, y) has come since frame 0, right and down."""
+    turn = path.rotation_rad[frame] - path.rotation_rad[0]
+    cos, sin = np.cos(turn), np.sin(turn)
+    from_x, from_y = x_mm - path.x_mm[frame], y_mm - path.y_mm[frame]
+    # It stood at c0 + R(-turn)(X - c): turn back, then put the object's centre back.
+    right = x_mm - (path.x_mm[0] + cos * from_x + sin * from_y)
+    return right, y_mm - (path.y_mm[0] - sin * from_x + cos * from_y)
 
 
 def image_change(first: Floats, last: Floats, where: NDArray[np.bool_]) -> float:
@@ -178,13 +171,13 @@ def label_for(
 
     The share of the view in contact is one number per labelled frame; the trace is of these frames.
     """
-    path = scene.path
+    inward_mm, right_mm, down_mm, turn_rad = scene.path.change(last)
     return MotionLabel(
         motion=scene.motion,
-        rotation_deg=float(np.degrees(path.rotation_rad[last] - path.rotation_rad[0])),
-        slide_x_mm=path.x_mm[last] - path.x_mm[0],
-        slide_y_mm=path.y_mm[last] - path.y_mm[0],
-        depth_change_mm=path.depth_mm[last] - path.depth_mm[0],
+        rotation_deg=float(np.degrees(turn_rad)),
+        slide_x_mm=right_mm,
+        slide_y_mm=down_mm,
+        depth_change_mm=inward_mm,
         contact_fraction=tuple(round(float(share), 5) for share in contact_fraction),
         is_readable=is_readable(scene.motion, contact_fraction, trace, scene.dominance),
         mm_per_px=scene.optics.mm_per_px,
@@ -226,11 +219,21 @@ def components_of(label: MotionLabel) -> dict[Component, ComponentTruth]:
 def is_readable(
     motion: Motion, contact_fraction: NDArray[np.floating], trace: Trace, dominance: float = 1.0
 ) -> bool:
-    """Tell whether the frames show the motion; stillness and absence always can be seen."""
+    """Tell whether the frames show the motion; stillness and absence always can be seen.
+
+    A turn about an axis far beside the contact carries the contact along farther than it turns it:
+    its picture is a slide's, whatever the hand did. So the named path has to be `dominance` times
+    the other one.
+    """
     if motion in (Motion.STILL, Motion.NONE):
         return True
-    touched = contact_fraction if motion in DIRECTED else [np.max(contact_fraction)]
-    return bool(np.min(touched) >= READABLE_CONTACT and trace.shows(motion, dominance))
+    touched, own, lesser = np.min(contact_fraction), trace.slide_mm, trace.turn_mm
+    if motion in ROTATIONS:
+        own, lesser = lesser, own
+    elif motion not in SLIDES:
+        touched, own, lesser = np.max(contact_fraction), 0.0, 0.0
+    is_seen = touched >= READABLE_CONTACT and trace.change_grey >= READABLE_GREY
+    return bool(is_seen and own >= dominance * lesser)
 
 
 def patch_means(images: NDArray[np.generic]) -> NDArray[np.float32]:
@@ -247,19 +250,12 @@ def patch_displacement(scene: Scene, contact: NDArray[np.floating]) -> NDArray[n
     float32 (frames, 14, 14, 2), pixels of the 224-pixel image, (x right, y down); zero where the
     share of a patch in contact, (frames, 14, 14), is zero.
     """
-    path, optics = scene.path, scene.optics
+    path, (wide, high) = scene.path, scene.optics.mm_per_px
     centres = (np.arange(GRID_SIDE) + 0.5) * PATCH_SIDE - IMAGE_SIDE / 2
-    x, y = centres * optics.mm_per_px_x, centres[:, None] * optics.mm_per_px_y
-    turn, at_x, at_y = (
-        np.array(values)[:, None, None] for values in (path.rotation_rad, path.x_mm, path.y_mm)
-    )
-    cos, sin = np.cos(turn - turn[0]), np.sin(turn - turn[0])
-    from_x, from_y = x - at_x, y - at_y
-    # The point stood at c0 + R(-turn)(X - c): turn back, then put the object's centre back.
     moved = np.empty((len(path), GRID_SIDE, GRID_SIDE, 2), np.float32)
-    moved[..., 0] = x - (at_x[0] + cos * from_x + sin * from_y)
-    moved[..., 1] = y - (at_y[0] - sin * from_x + cos * from_y)
-    moved /= np.array([optics.mm_per_px_x, optics.mm_per_px_y], np.float32)
+    for frame, field in enumerate(moved):
+        field[..., 0], field[..., 1] = _moved(path, frame, centres * wide, centres[:, None] * high)
+    moved /= np.array([wide, high], np.float32)
     moved[contact == 0] = 0
     return moved
 
@@ -317,7 +313,7 @@ def _shading_of(
     level = np.float32(path.depth_mm[frame]) - dome_mm(scene.gel, pixel, side, optics.mounting)
     lights, (centre_x, centre_y) = turned_lights(optics), centre_mm
     # Under light from all around only steepness and depth show.
-    loss = 0.0 if optics.lamps.is_directional else 2 * optics.steep_darkening
+    loss = 0.0 if np.any(optics.lamps.rows) else 2 * optics.steep_darkening
     from_x, from_y = path.x_mm[frame] - centre_x, path.y_mm[frame] - centre_y
 
     def shading(turn_rad, x_mm, y_mm, inward_mm):
@@ -329,10 +325,7 @@ def _shading_of(
         )
         overlap = level + np.float32(inward_mm) - profile.sample(pose, pixel, side)
         overlap = cv2.GaussianBlur(cv2.max(overlap, 0), (0, 0), 0.8)
-        slopes = [
-            cv2.Sobel(overlap, cv2.CV_32F, *axis, ksize=3, scale=-0.125 / size)
-            for axis, size in (((1, 0), pixel[0]), ((0, 1), pixel[1]))
-        ]
+        slopes = slopes_of(overlap, pixel)
         steep = slopes[0] ** 2 + slopes[1] ** 2
         soft = np.sqrt(1 + optics.saturation**2 * steep)
         planes = [

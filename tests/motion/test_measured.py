@@ -16,7 +16,7 @@ from geotlm_lm.motion.measured import (
     measured,
     rigid_motions,
 )
-from geotlm_lm.probe.rigid_fit import fit_rigid
+from geotlm_lm.probe.rigid_flow import fit_rigid
 
 AT = (np.arange(14) - 6.5) * 16
 

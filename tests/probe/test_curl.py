@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+import torch
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.labels import Motion
-from geotlm_lm.probe.curl import CURL_FEATURES, CurlRegression, curl_features, imprint_travel
+from geotlm_lm.core.labels import ROTATIONS, Motion
+from geotlm_lm.probe.curl import CURL_FEATURES, curl_features, imprint_travel
+from geotlm_lm.probe.linear import fit_logistic
+from geotlm_lm.probe.standardise import Standardiser
 from tests.probe.imprints import moved_clip, textured_imprint
 
 WHOLE = CURL_FEATURES.index("global")
@@ -39,15 +42,13 @@ def turned(turn_deg, seed):
 def test_the_regression_tells_turns_of_textures_it_has_not_seen():
     turns = [(seed, sign * (3 + seed)) for seed in range(4) for sign in (-1, 1)]
     motions = [Motion.CLOCKWISE if turn > 0 else Motion.COUNTERCLOCKWISE for _, turn in turns]
-    fitted = CurlRegression.fit([turned(turn, seed) for seed, turn in turns], motions)
-    assert fitted.predict(turned(5.0, 9)) is Motion.CLOCKWISE
-    assert fitted.predict(turned(-5.0, 9)) is Motion.COUNTERCLOCKWISE
-
-
-@pytest.mark.parametrize("motions", [[Motion.CLOCKWISE], [Motion.CLOCKWISE, Motion.LEFT]])
-def test_a_label_for_each_clip_and_two_motions_are_asked_for(motions):
-    with pytest.raises(ValueError, match="1 clips have"):
-        CurlRegression.fit([turned(5.0, 0)], motions)
+    features = torch.from_numpy(
+        np.stack([curl_features(turned(turn, seed)) for seed, turn in turns])
+    )
+    statistics = Standardiser.fit(features)
+    probe = fit_logistic(statistics.apply(features), motions, ROTATIONS)
+    unseen = np.stack([curl_features(turned(turn, 9)) for turn in (5.0, -5.0)])
+    assert probe.predict(statistics.apply(torch.from_numpy(unseen))) == list(ROTATIONS)
 
 
 def test_patches_are_as_wide_and_as_high_as_the_picture_has_room_for():

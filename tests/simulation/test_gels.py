@@ -10,7 +10,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.simulation.gels import GELS, HELD_OUT_GELS, TRAINING_GELS, Print, random_print
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.simulation.prints import print_shade
+from geotlm_lm.simulation.optics import print_shade
 from geotlm_lm.simulation.randomise import random_scene, random_scenes
 from geotlm_lm.simulation.scene import GELSIGHT_MINI, Optics
 from geotlm_lm.simulation.scene import Path as Poses

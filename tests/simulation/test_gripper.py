@@ -46,8 +46,8 @@ def test_below_the_limit_nothing_slips_and_beyond_it_nothing_is_carried(step, lo
 
 
 def test_a_stiffer_press_holds_more():
-    sensor = Gripper("tighten", seed=1)._sensor
-    (turn, slide), (more_turn, more_slide) = (sensor.grip(depth) for depth in (0.6, 1.0))
+    gripper = Gripper("tighten", seed=1)
+    (turn, slide), (more_turn, more_slide) = (gripper.grips(depth) for depth in (0.6, 1.0))
     for one, other in ((turn, more_turn), (slide, more_slide)):
         assert 0 < one.limit < other.limit
         assert 0 < one.stiffness < other.stiffness

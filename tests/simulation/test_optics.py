@@ -11,10 +11,9 @@ import pytest
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import generator_for
-from geotlm_lm.simulation.camera import recorded
+from geotlm_lm.simulation.camera import Recorder
 from geotlm_lm.simulation.contact import FAST
-from geotlm_lm.simulation.optics import lit, turned_lights
-from geotlm_lm.simulation.prints import print_shade, resting_px
+from geotlm_lm.simulation.optics import lit, print_shade, resting_dots, turned_lights
 from geotlm_lm.simulation.profile import build_profile
 from geotlm_lm.simulation.scene import Body, Markers, Mounting, Optics, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
@@ -73,7 +72,7 @@ def test_a_shadow_falls_behind_the_height_that_stands_towards_the_light(from_x):
 
 
 def test_bright_light_saturates_instead_of_wrapping():
-    image = recorded(GREY * 3, Optics(), generator_for(0, "noise"))
+    image = Recorder(Optics(), generator_for(0, "noise")).next(GREY * 3)
     assert image.min() == 255
 
 
@@ -106,7 +105,7 @@ def well_inside(points):
 
 
 def test_dots_at_rest_lie_on_the_grid_to_a_hundredth_of_a_pixel():
-    rest = well_inside(resting_px(DOTS, MARKED))
+    rest = well_inside(resting_dots(DOTS, MARKED)[0])
     assert rest.shape[1] > 30
     assert np.abs(centroids(1 - print_shade(DOTS, MARKED), rest) - rest).max() < 0.01
 
@@ -130,7 +129,7 @@ def test_in_a_clip_the_dots_go_where_its_truth_says_the_gel_goes():
     # Without light and noise nothing but the dots differs from an unmarked gel.
     plain = replace(scene, optics=replace(UNLIT, markers=None))
     bare = simulate([plain], seed=3)[0].clip.background
-    rest = well_inside(resting_px(DOTS, UNLIT))
+    rest = well_inside(resting_dots(DOTS, UNLIT)[0])
     expected = between_pixels(dense, rest)
     still = centroids((1 - light / bare).mean(axis=-1).clip(0), rest)
     moved = centroids((1 - made.clip.frames[1] / bare).mean(axis=-1).clip(0), rest + expected)
@@ -144,7 +143,7 @@ def test_the_grid_turns_clockwise_with_the_pad():
     turned = replace(MARKED, mounting=Mounting(turn_rad=0.05))
     right, was = (
         points[:, np.argmin(np.abs(points - [[180], [112]]).sum(0))]
-        for points in (resting_px(DOTS, turned), resting_px(DOTS, MARKED))
+        for points in (resting_dots(DOTS, turned)[0], resting_dots(DOTS, MARKED)[0])
     )
     arm_mm = (was[0] - 111.5) * MARKED.mm_per_px_x
     assert right[1] - was[1] == pytest.approx(np.sin(0.05) * arm_mm / MARKED.mm_per_px_y, abs=0.05)

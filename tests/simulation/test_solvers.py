@@ -71,25 +71,26 @@ def test_a_sample_is_solved_alike_alone_and_beside_harder_ones():
 
 def test_a_hard_case_gets_more_iterations_and_an_unsolved_one_says_what_is_left():
     gap_open, thin = overlap(rough(4) * 3, 3.5), layer(0.3, 0.5)
-    generous = solve_normal_contact(gap_open, thin, Effort())
-    assert int(generous.iterations) > ROUNDS[0]
-    starved = solve_normal_contact(gap_open, thin, Effort((1,)))
-    assert int(starved.iterations) == 1
-    assert float(starved.penetration_um) > 30
+    starved, first, generous = (
+        float(solve_normal_contact(gap_open, thin, Effort(rounds)).penetration_um)
+        for rounds in ((1,), ROUNDS[:1], ROUNDS)
+    )
+    assert starved > 30
+    assert first > PENETRATION_LIMIT_UM
+    assert generous < first
 
 
-CELLS = 32
-LAYER = LayerOperator(CELLS, 16.0, thickness_mm=4.0, poisson_ratio=0.48, dtype=torch.float64)
-X, Y = cell_centres(CELLS, 0.5, torch.float64)
-PRESSURE = (1 - (X**2 + Y**2) / 16).clamp_min(0).sqrt()[None]
+LAYER = pad()
+CENTRES = cell_centres(LAYER.side, LAYER.cell_mm, torch.float64)
+PRESSURE = (1 - CENTRES.square().sum(dim=0) / 16).clamp_min(0).sqrt()[None]
 
 
 def turned(angle):
-    return torch.stack([-angle * Y, angle * X])[None]
+    return turn(angle)(CENTRES)
 
 
 def slid(x, y=0.0):
-    return torch.stack([torch.full_like(X, x), torch.full_like(X, y)])[None]
+    return torch.tensor([x, y], dtype=torch.float64)[None, :, None, None].expand_as(CENTRES[None])
 
 
 def solved(target, limit, most=2000):
@@ -108,7 +109,7 @@ def solved(target, limit, most=2000):
 )
 def test_inside_the_disc_a_cell_sticks_and_on_its_rim_it_slips_along_its_traction(target, regime):
     limit = 0.5 * PRESSURE
-    traction, share, _ = solved(target, limit)
+    traction, share = solved(target, limit)
     assert float(share) < 1e-8
     length = traction.norm(dim=1)
     assert float((length - limit).max()) < 1e-12
@@ -123,15 +124,14 @@ def test_inside_the_disc_a_cell_sticks_and_on_its_rim_it_slips_along_its_tractio
 
 
 def test_running_out_of_steps_is_told():
-    _, share, steps = solved(turned(0.1), 0.5 * PRESSURE, most=2)
-    assert steps == 2
+    _, share = solved(turned(0.1), 0.5 * PRESSURE, most=2)
     assert float(share) > 1e-8
 
 
 def test_samples_do_not_influence_each_other():
     limit = 0.5 * PRESSURE
-    both, *_ = solved(torch.cat([turned(0.1), slid(5.0)]), torch.cat([limit, 0 * limit]))
-    alone, *_ = solved(turned(0.1), limit)
+    both, _ = solved(torch.cat([turned(0.1), slid(5.0)]), torch.cat([limit, 0 * limit]))
+    alone, _ = solved(turned(0.1), limit)
     assert torch.allclose(both[0], alone[0], atol=1e-6)
     assert not both[1].any()
 
@@ -157,15 +157,10 @@ def test_a_mirrored_twist_leaves_the_mirrored_surface():
 
 
 def test_a_twist_clockwise_takes_the_top_to_the_right_and_the_right_down():
-    layer = pad()
-    centres = cell_centres(32, layer.cell_mm, torch.float64)
-    zero = torch.zeros(1, dtype=torch.float64)
-    travel = rigid_travel(
-        centres, torch.zeros(1, 2).double(), zero + 0.03, torch.zeros(1, 2).double()
-    )
-    step = marched(layer, lopsided(layer), lambda _: travel).end
-    touched = step.pressure[0] > 0
-    x, y = centres
+    rest = torch.zeros(1, 2, dtype=torch.float64)
+    travel = rigid_travel(CENTRES, rest, rest[:, 0] + 0.03, rest)
+    step = marched(LAYER, lopsided(LAYER), lambda _: travel).end
+    touched, (x, y) = step.pressure[0] > 0, CENTRES
     drift = step.drift_mm[0]
     assert float(drift[0][touched & (y < 0)].mean()) > 0
     assert float(drift[0][touched & (y > 0)].mean()) < 0
@@ -192,11 +187,9 @@ def test_work_is_stored_or_rubbed_away_and_none_comes_from_nothing():
 
 
 def test_a_cell_that_leaves_the_contact_is_released():
-    layer = pad()
-    pressed, centres = lopsided(layer), cell_centres(32, layer.cell_mm, torch.float64)
-    rest = torch.zeros(1, 2, 32, 32, dtype=torch.float64)
-    path = [(pressed, rest), (pressed, turn(0.05)(centres)), (pressed - 10, rest)]
-    *_, end = march(path, layer, TIGHT, friction_coefficient=MU)
+    pressed, rest = lopsided(LAYER), slid(0.0)
+    path = [(pressed, rest), (pressed, turned(0.05)), (pressed - 10, rest)]
+    *_, end = march(path, LAYER, TIGHT, friction_coefficient=MU)
     assert not end.traction.any()
     assert float(end.drift_mm.abs().max()) < 1e-12
     assert float(end.indentation_mm.abs().max()) < 1e-12
