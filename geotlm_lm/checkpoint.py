@@ -108,10 +108,10 @@ def _bytes_of(value: Any) -> bytes:
     """Return the bytes of one entry of a state, whatever its number format."""
     if isinstance(value, tuple):  # the weight and the bias of a layer in 8 bits
         return b"".join(map(_bytes_of, value))
-    if not isinstance(value, torch.Tensor):
-        return repr(value).encode()
     if isinstance(value, np.ndarray):
         return value.tobytes()
+    if not isinstance(value, torch.Tensor):
+        return repr(value).encode()
     plain = value.dequantize() if value.is_quantized else value.detach()
     return plain.cpu().contiguous().reshape(-1).view(torch.uint8).numpy().tobytes()
 
