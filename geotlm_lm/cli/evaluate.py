@@ -15,12 +15,12 @@ from geotlm_lm.cli.options import (
     BundleFolder,
     DataSets,
     Seed,
+    command_line,
     path_option,
-    require_one_model,
+    require_record_file,
     require_writable,
 )
 from geotlm_lm.cli.progress import progress_on_stderr
-from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import BelowMinimum, UsageError
 
 
@@ -71,7 +71,7 @@ def evaluate(
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     weights = encoder.weights
-    require_one_model(model, weights, encoder.encoder, encoder.heads)
+    encoder.require_alone(model)
     if weights is None and (preset is not None or run_folder is not None):
         raise UsageError("--preset and --run-folder need --weights with the encoder's file.")
     if out is not None:

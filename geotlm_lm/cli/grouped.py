@@ -14,9 +14,6 @@ import typer
 from geotlm_lm.cli.options import (
     BundleFolder,
     CameraName,
-    EncoderHeads,
-    EncoderName,
-    EncoderWeights,
     Force,
     SquarePixels,
     path_of,
@@ -214,9 +211,28 @@ class Answering:
 class Encoder:
     """A released encoder's file."""
 
-    encoder: EncoderName = None
-    weights: EncoderWeights = None
-    heads: EncoderHeads = None
+    encoder: Annotated[
+        str | None,
+        typer.Option(
+            help="Released encoder: anytouch2, anytouch1, sparsh, t3, internvit or unit. "
+            "[default: recognised by the file]"
+        ),
+    ] = None
+    weights: Annotated[
+        Path | None,
+        path_option(help="The file the encoder's authors release; see docs/encoders.md."),
+    ] = None
+    heads: Annotated[
+        int | None,
+        typer.Option(min=1, help="Attention heads of the encoder. [default: those of its width]"),
+    ] = None
+
+    def require_alone(self, model: Path | None) -> None:
+        """Refuse an encoder without a file, or beside a bundle."""
+        if self.weights is None and (self.encoder is not None or self.heads is not None):
+            raise UsageError("--encoder and --heads need --weights with the encoder's file.")
+        if self.weights is not None and model is not None:
+            raise UsageError("--model and --weights exclude each other: give one of them.")
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,7 @@ from geotlm_lm.cli.info import doctor, info
 from geotlm_lm.cli.label import label
 from geotlm_lm.cli.manifest import manifest
 from geotlm_lm.cli.options import path_option
-from geotlm_lm.cli.simulate import ForwardsClip, simulate
-from geotlm_lm.cli.simulate_clip import simulate_clip
+from geotlm_lm.cli.simulate import ForwardsClip, simulate, simulate_clip
 from geotlm_lm.cli.track import INTERRUPTED, track
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
@@ -65,24 +67,6 @@ ClusterAddress = Annotated[
         "local to start one here. [default: processes of this machine]",
     ),
 ]
-EncoderName = Annotated[
-    str | None,
-    typer.Option(
-        "--encoder",
-        help="Released encoder: anytouch2, anytouch1, sparsh, t3, internvit or unit. [default: "
-        "recognised by the file]",
-    ),
-]
-EncoderWeights = Annotated[
-    Path | None,
-    path_option("--weights", help="The file the encoder's authors release; see docs/encoders.md."),
-]
-EncoderHeads = Annotated[
-    int | None,
-    typer.Option(
-        "--heads", min=1, help="Attention heads of the encoder. [default: those of its width]"
-    ),
-]
 Force = Annotated[
     bool, typer.Option("--force", help="Replace the file, if there is one of its name already.")
 ]
@@ -92,16 +76,6 @@ AsJson = Annotated[
 Seed = Annotated[
     int, typer.Option("--seed", min=0, help="Root seed; the same seed, the same result.")
 ]
-
-
-def require_one_model(
-    model: Path | None, weights: Path | None, encoder: str | None, heads: int | None
-) -> None:
-    """Refuse an encoder without a file, or beside a bundle."""
-    if weights is None and (encoder is not None or heads is not None):
-        raise UsageError("--encoder and --heads need --weights with the encoder's file.")
-    if weights is not None and model is not None:
-        raise UsageError("--model and --weights exclude each other: give one of them.")
 
 
 def require_writable(folder: Path, option: str) -> None:
@@ -177,3 +151,33 @@ def _is_of(path: Path, read: Path) -> bool:
     from geotlm_lm.recordings.images import IMAGE_SUFFIXES
 
     return path.suffix.lower() in IMAGE_SUFFIXES
+
+
+def command_line() -> str:
+    """Return the command as a user would type it, whatever started the interpreter."""
+    return shlex.join(["geotlm-lm", *sys.argv[1:]])
+
+
+def require_record_file(path: Path, option: str, *, inputs: Iterable[Path] = ()) -> None:
+    """As `require_writable_file`; of files that are there, only an earlier record is replaced.
+
+    Args:
+        path: Of the record to write.
+        option: That names it.
+        inputs: Files that the command reads.
+
+    Raises:
+        UsageError: If it cannot be written, or holds something else.
+    """
+    from geotlm_lm.core.record import RunRecord, UnreadableRecord
+
+    require_writable_file(path, option, inputs=inputs)
+    if not path.exists() or path.stat().st_size == 0:
+        return
+    try:
+        RunRecord.load(path)
+    except UnreadableRecord as error:
+        raise UsageError(
+            f"{option}: {path} holds something else than a run's record and would be replaced, "
+            f"expected a new file or an earlier record; give another name."
+        ) from error

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from geotlm_lm.cli.grouped import AllOutputs, Answering, Recording, TrackOutputs, grouped
+from geotlm_lm.cli.options import command_line
 from geotlm_lm.cli.progress import progress_on_stderr
-from geotlm_lm.cli.recorded import command_line
 from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -130,14 +130,14 @@ def write_table_and_plot(
         made_by = {"command": command_line(), "recording": name, "fps": fps}
         exported.save(outputs.out, made_by)
     if outputs.plot is not None:
-        from geotlm_lm.track.plot import write_plot
+        from geotlm_lm.track.drawing import write_plot
 
         write_plot(outputs.plot, exported, in_frames=in_frames)
 
 
 def _write_film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
     from geotlm_lm.recordings.read import each_frame
-    from geotlm_lm.track.film import write_film
+    from geotlm_lm.track.drawing import write_film
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     first, second = exported.track.numbers[:2]

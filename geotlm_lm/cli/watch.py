@@ -164,8 +164,8 @@ class Watching:
             is_square: Whether the camera's picture is square where its frames are of 224 x 224.
         """
         from geotlm_lm.recordings.pixels import with_square_pixels
+        from geotlm_lm.track.drawing import filming
         from geotlm_lm.track.export import Units
-        from geotlm_lm.track.film import filming
 
         film = nullcontext() if video is None else filming(video, self._stream.fps)
         # Closed even where nobody reads on: a camera's thread must not outlive the command.
@@ -232,8 +232,7 @@ class Watching:
         units: Units,
         write: Callable[[Frames], None],
     ) -> None:
-        from geotlm_lm.track.drawing import CAPTION_S, band_of, mark_of
-        from geotlm_lm.track.film import draw_mark
+        from geotlm_lm.track.drawing import CAPTION_S, band_of, draw_mark, mark_of
 
         if events or time_s - self._shown_s > CAPTION_S:
             self._shown, self._shown_s = events, time_s

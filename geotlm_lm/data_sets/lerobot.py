@@ -11,7 +11,6 @@ import os
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError, first_line
+from geotlm_lm.core.errors import UnreadableClip, UsageError, first_line, require_package
 from geotlm_lm.data_sets.layout import (
     EPISODES,
     INFO,
@@ -132,11 +131,7 @@ def read_data_set(root: Path) -> LeRobotDataSet:
         MissingDependency: If a package that reads it is not installed.
     """
     for package in ("pyarrow", "av"):
-        if find_spec(package) is None:
-            raise MissingDependency(
-                f"A LeRobot data set is read with {package}, which is not installed; run "
-                f"`pip install 'geotlm-lm[lerobot]'`."
-            )
+        require_package(package, f"A LeRobot data set is read with {package}", "lerobot")
     info = read_info(root)
     paths = sorted((root / EPISODES).glob("*/*.parquet"))
     if not paths:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from io import BytesIO
@@ -15,12 +14,11 @@ import cv2
 import numpy as np
 
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
+from geotlm_lm.core.errors import UnreadableClip, damage_as, require_package
 from geotlm_lm.core.files import is_plain, plain_name
-from geotlm_lm.recordings.images import decoded_image
+from geotlm_lm.recordings.images import StatedShape, decoded_image, image_shape
 from geotlm_lm.recordings.pixels import of_8_bits
 from geotlm_lm.recordings.policy import Source, SourceFrame, kept_frames
-from geotlm_lm.recordings.stated_shape import StatedShape, image_shape
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader as Reader1
@@ -110,7 +108,7 @@ class BagSource(Source):
         path = self._path
         reader_of, deserialize = _rosbags(path)
         with (
-            _refusing_damage(path),
+            damage_as(_damage(path)),
             plain_name(_plain_part(path)) as plain,
             reader_of(Path(plain)) as reader,
         ):
@@ -176,15 +174,11 @@ def _is_part(path: Path) -> bool:
 
 def _rosbags(path: Path) -> tuple[type[Reader | Reader1], Callable[[bytes, str], Any]]:
     """Return what reads the messages of a bag, and what reads one of them."""
-    try:
-        from rosbags.rosbag1 import Reader as Reader1
-        from rosbags.rosbag2 import Reader
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise MissingDependency(
-            f"{path}: a bag is read with rosbags, which is not installed; run `pip install "
-            f"'geotlm-lm[ros]'`."
-        ) from error
+    require_package("rosbags", f"{path}: a bag is read with rosbags", "ros")
+    from rosbags.rosbag1 import Reader as Reader1
+    from rosbags.rosbag2 import Reader
+    from rosbags.typesys import Stores, get_typestore
+
     # The two types of image are the same in every release of ROS 2; older bags hold no definitions.
     if path.suffix.lower() != ROS_1:
         return Reader, get_typestore(Stores.LATEST).deserialize_cdr
@@ -248,21 +242,11 @@ def _unpadded(message: Any, name: str) -> Frames:
         ) from error
 
 
-@contextmanager
-def _refusing_damage(path: Path) -> Iterator[None]:
-    """Turn whatever the readers of bags raise on a damaged one into one sentence.
-
-    Theirs, those of SQLite and of the packers, and what Python says of numbers out of range.
-    """
-    try:
-        yield
-    except GeoTLMError:
-        raise
-    except Exception as error:
-        kind, writer, repair = "ROS 2", "ros2 bag record", "mcap recover"
-        if path.suffix.lower() == ROS_1:
-            kind, writer, repair = "ROS 1", "rosbag record", "rosbag reindex"
-        raise UnreadableClip(
-            f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
-            f"again, or repair it by `{repair}`."
-        ) from error
+def _damage(path: Path) -> str:
+    kind, writer, repair = "ROS 2", "ros2 bag record", "mcap recover"
+    if path.suffix.lower() == ROS_1:
+        kind, writer, repair = "ROS 1", "rosbag record", "rosbag reindex"
+    return (
+        f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
+        f"again, or repair it by `{repair}`."
+    )

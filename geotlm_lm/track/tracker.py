@@ -26,14 +26,14 @@ from geotlm_lm.recordings.idle import (
     imprints_of,
     strength_of,
 )
+from geotlm_lm.recordings.policy import FrameClock
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of
 from geotlm_lm.track.angles import KeyAngles, detail_of
 from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import COLUMNS, Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
-from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.keyframes import Floats, KeyFrames, Residuals, Step, small_green
-from geotlm_lm.track.short import Shown, Whole, track_of_clip
+from geotlm_lm.track.summed import Shown, Whole, track_of_clip
 from geotlm_lm.track.track import Track, decided
 
 LET_GO = 0.8

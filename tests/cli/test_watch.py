@@ -15,6 +15,7 @@ from geotlm_lm.recordings import streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
+from tests.recordings.test_read import write_video
 
 
 class Asked:
@@ -191,11 +192,7 @@ def test_frames_of_224_pixels_are_taken_as_asked(
     if name.endswith(".npz"):
         np.savez(tmp_path / name, frames=np.stack(frames), fps=25.0)
     else:
-        codec = cv2.VideoWriter_fourcc(*"MJPG")
-        writer = cv2.VideoWriter(str(tmp_path / name), codec, 25.0, (224, 224))
-        for one in frames:
-            writer.write(one)
-        writer.release()
+        write_video(tmp_path / name, frames, 25, "MJPG")
     widths, feed = set(), Tracker.feed
 
     def fed(self, frame, *rest):

@@ -5,6 +5,7 @@ import tracemalloc
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings import arrays, policy
@@ -39,6 +40,12 @@ def write_video(path, frames=FRAMES, fps=10, code="FFV1"):
     return path
 
 
+def write_gif(path, frames, durations_ms):
+    first, *others = map(Image.fromarray, frames)
+    first.save(path, save_all=True, append_images=others, duration=durations_ms)
+    return path
+
+
 def levels(count):
     """Frames of one grey level each, told by its number: 0, 10, 20, ..."""
     return [np.full((24, 32, 3), 10 * number, np.uint8) for number in range(count)]
@@ -58,6 +65,7 @@ STORED = {
     "double": FRAMES / 255,
     "half": FRAMES.astype(np.float16),
     "int64": FRAMES.astype(np.int64),
+    "colours first": np.moveaxis(FRAMES, -1, 1),
     "big endian": FRAMES.astype(">u2"),
     "fortran order": np.asfortranarray(FRAMES),
     "16 bits": FRAMES.astype(np.uint16) * 257,

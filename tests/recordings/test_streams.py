@@ -11,17 +11,13 @@ from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings import policy, streams
 from geotlm_lm.recordings.policy import Source, SourceFrame
 from geotlm_lm.recordings.streams import LatestFrames, Recording, StreamFrame, open_source
+from tests.recordings.test_read import levels, write_video
 
 
 @pytest.fixture
 def film(tmp_path):
     """A lossless video of 9 frames at 20 per second, frame k of grey level 10 k."""
-    path = tmp_path / "film.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 20.0, (32, 24))
-    for number in range(9):
-        writer.write(np.full((24, 32, 3), 10 * number, np.uint8))
-    writer.release()
-    return path
+    return write_video(tmp_path / "film.avi", levels(9), 20)
 
 
 def test_a_recording_gives_every_frame_with_its_time(film):

@@ -14,14 +14,13 @@ from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.listing import clips_in
 from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
-from tests.recordings.test_read import FRAMES
+from tests.recordings.test_read import FRAMES, write_gif
 
 pytest.importorskip("av", reason="needs the extra `lerobot`")
 
 from tests.recordings.video_forms import (  # noqa: E402
     turned,
     write_av,
-    write_gif,
 )
 
 CORNERED = np.full((6, 48, 64, 3), 90, np.uint8)

@@ -4,16 +4,9 @@ import os
 import struct
 
 import av
-from PIL import Image
 
 QUARTERS = {90: (0, 1, -1, 0), 180: (-1, 0, 0, -1), 270: (0, -1, 1, 0)}
 """Degrees clockwise -> the matrix that an .mp4 states."""
-
-
-def write_gif(path, frames, durations_ms):
-    first, *others = map(Image.fromarray, frames)
-    first.save(path, save_all=True, append_images=others, duration=durations_ms)
-    return path
 
 
 def write_av(path, frames, codec="libsvtav1", fps=10, aspect=None):
