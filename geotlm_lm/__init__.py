@@ -38,7 +38,7 @@ _HOME_OF = {
     "arrow_ends": "geotlm_lm.views",
     "camera_size": "geotlm_lm.core.geometry",
     "change_map": "geotlm_lm.recordings.touch",
-    "declared_bytes": "geotlm_lm.recordings.listing",
+    "declared_bytes": "geotlm_lm.recordings.read",
     "draw_depth": "geotlm_lm.views",
     "drawing_of": "geotlm_lm.track.drawing",
     "is_streamed": "geotlm_lm.recordings.streams",

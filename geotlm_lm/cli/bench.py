@@ -6,20 +6,20 @@ import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from geotlm_lm.cli.grouped import Encoder, grouped
 from geotlm_lm.cli.options import (
     AsJson,
     BundleFolder,
     ClusterAddress,
     DataSets,
-    RealFolder,
+    Encoder,
     Seed,
     command_line,
-    path_option,
+    grouped,
+    option,
     require_record_file,
     require_writable,
 )
@@ -41,25 +41,16 @@ app = typer.Typer(
 class Measuring:
     """Options of every bench."""
 
-    real: RealFolder = None
-    out: Annotated[
-        Path | None,
-        path_option(
-            help="Folder for the record, the page and the pictures. [default: only printed]"
-        ),
-    ] = None
-    quick: Annotated[
-        bool,
-        typer.Option(
-            "--quick", help="See in under two minutes that everything runs; proves nothing."
-        ),
-    ] = False
-    only: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Only this section; may be given again. The others are kept as recorded in --out."
-        ),
-    ] = None
+    real: Path | None = option("Folder of labelled recordings to add; see `evaluate`.")
+    out: Path | None = option(
+        "Folder for the record, the page and the pictures. [default: only printed]"
+    )
+    quick: bool = option(
+        "See in under two minutes that everything runs; proves nothing.", "--quick", default=False
+    )
+    only: list[str] | None = option(
+        "Only this section; may be given again. The others are kept as recorded in --out."
+    )
     seed: Seed = 0
     model: BundleFolder = None
     as_json: AsJson = False
@@ -94,12 +85,9 @@ def accuracy(
     measuring: Measuring,
     data: DataSets = None,
     encoder: Encoder,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Processes that share the sections. [default: 1, or as many as a cluster's]"
-        ),
-    ] = None,
+    workers: int | None = option(
+        "Processes that share the sections. [default: 1, or as many as a cluster's]", min=1
+    ),
     cluster: ClusterAddress = None,
 ) -> None:
     """Hold the words against linear probes and two classical rivals; run the paper's protocols.
@@ -137,15 +125,14 @@ for bench_name, bench_about in {
 
 
 @app.command(epilog="Example: geotlm-lm bench render --check")
+@grouped
 def render(
-    check: Annotated[
-        bool, typer.Option("--check", help="Change nothing; fail if a number is out of date.")
-    ] = False,
-    figures: Annotated[bool, typer.Option("--figures", help="Draw the pictures anew too.")] = False,
-    results: Annotated[Path, path_option(help="Folder of pages, records beside them.")] = Path(
-        "docs/results"
+    check: bool = option(
+        "Change nothing; fail if a number is out of date.", "--check", default=False
     ),
-    readme: Annotated[Path, path_option("--readme", help="The file to fill.")] = Path("README.md"),
+    figures: bool = option("Draw the pictures anew too.", "--figures", default=False),
+    results: Path = option("Folder of pages, records beside them.", default=Path("docs/results")),
+    readme: Path = option("The file to fill.", default=Path("README.md")),
 ) -> None:
     """Write pages and the README's numbers from the recorded runs."""
     from geotlm_lm.benchmarks import rendering

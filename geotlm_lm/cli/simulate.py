@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import typer
 from typer.core import TyperCommand
 
 from geotlm_lm.cli.options import (
     ClusterAddress,
     Force,
     Seed,
-    path_of,
-    path_option,
+    argument,
+    grouped,
+    option,
     require_new_file,
     require_writable,
 )
@@ -27,66 +28,112 @@ if TYPE_CHECKING:
     from geotlm_lm.simulation.shapes import Indenter
     from geotlm_lm.simulation.simulate import SimulatedClip
 
-Processes = Annotated[
-    int | None,
-    typer.Option(min=1, help="Processes that simulate. [default: one per usable core]"),
-]
-Form = Annotated[
-    Literal["npz", "huggingface"],
-    typer.Option(
-        help="Files of the data set: archives of arrays, or tables with pictures for Hugging "
-        "Face's datasets."
-    ),
-]
-SolverPreset = Annotated[
-    Literal["draft", "fast", "good", "accurate", "reference"],
-    typer.Option("--preset", help="How finely and tightly the contact is solved."),
-]
-Drift = Annotated[
-    bool,
-    typer.Option("--drift", help="Also solve friction: the gel's own tangential travel."),
-]
-Markers = Annotated[
-    bool,
-    typer.Option("--markers", help="Print dots on the gel; friction, solved, carries them."),
-]
-MotionName = Annotated[
-    Literal[tuple(motion.value for motion in Motion)] | None,
-    typer.Option(help="What the object does, as a random hand does it. [default: clockwise]"),
-]
-ObjectName = Annotated[
-    str | None, typer.Option("--object", help="The shape that is pressed. [default: key]")
-]
-Turn = Annotated[
-    float | None,
-    typer.Option(help="Instead of --motion: degrees turned, clockwise positive."),
-]
-SlideRight = Annotated[float | None, typer.Option(help="At once: mm slid to the right.")]
-SlideDown = Annotated[float | None, typer.Option(help="At once: mm slid down the image.")]
-Press = Annotated[float | None, typer.Option(help="At once: mm pressed in; negative lifts.")]
-PivotRight = Annotated[
-    float | None,
-    typer.Option(help="With --turn: its axis, mm to the right of where the contact's middle ends."),
-]
-PivotDown = Annotated[float | None, typer.Option(help="The same, mm below it.")]
-Depth = Annotated[
-    float | None,
-    typer.Option(help="With these: mm beyond first touch, half-way. [default: 0.6]"),
-]
-HeightMapFile = Annotated[
-    Path | None,
-    path_option(
-        help="Your own object, a .npy of heights in mm or a grey .png; what is highest touches "
-        "first."
-    ),
-]
-SampleSize = Annotated[
-    float | None, typer.Option(help="With --height-map: the size of one sample.")
-]
-Relief = Annotated[
-    float | None,
-    typer.Option(help="With a .png height map: how far white is above black. [default: 1]"),
-]
+
+MotionName = Literal[tuple(motion.value for motion in Motion)]
+
+FIELDS = {
+    "turn": "twist_deg",
+    "slide_right": "slide_x_mm",
+    "slide_down": "slide_y_mm",
+    "press": "press_mm",
+    "pivot_right": "pivot_x_mm",
+    "pivot_down": "pivot_y_mm",
+    "depth": "depth_mm",
+}
+"""Of `Moves` -> of a `Touch`."""
+
+
+@dataclass(frozen=True)
+class Solving:
+    """How clips are simulated."""
+
+    preset: Literal["draft", "fast", "good", "accurate", "reference"] = option(
+        "How finely and tightly the contact is solved.", default="fast"
+    )
+    drift: bool = option(
+        "Also solve friction: the gel's own tangential travel.", "--drift", default=False
+    )
+    markers: bool = option(
+        "Print dots on the gel; friction, solved, carries them.", "--markers", default=False
+    )
+
+
+@dataclass(frozen=True)
+class Moves:
+    """What the object of one clip does: a motion as of a random hand, or all of it exactly."""
+
+    motion: MotionName | None = option(
+        "What the object does, as a random hand does it. [default: clockwise]"
+    )
+    turn: float | None = option("Instead of --motion: degrees turned, clockwise positive.")
+    slide_right: float | None = option("At once: mm slid to the right.")
+    slide_down: float | None = option("At once: mm slid down the image.")
+    press: float | None = option("At once: mm pressed in; negative lifts.")
+    pivot_right: float | None = option(
+        "With --turn: its axis, mm to the right of where the contact's middle ends."
+    )
+    pivot_down: float | None = option("The same, mm below it.")
+    depth: float | None = option("With these: mm beyond first touch, half-way. [default: 0.6]")
+
+    def numbers(self) -> dict[str, float]:
+        """Return what the object is asked to do exactly, by the fields of a `Touch`."""
+        moves = {name: value for name in FIELDS if (value := getattr(self, name)) is not None}
+        options = {name: f"--{name.replace('_', '-')}" for name in moves}
+        if not moves:
+            return {}
+        if self.motion is not None:
+            raise UsageError(
+                f"{' and '.join(options.values())} cannot go with --motion; leave out one of them."
+            )
+        from geotlm_lm.simulation.touch import require_in_range
+
+        for name, value in moves.items():
+            require_in_range(FIELDS[name], value, options[name])
+        if not self.turn and (self.pivot_right or self.pivot_down):
+            raise UsageError(
+                "--pivot-right and --pivot-down say where the axis of a --turn lies; give one."
+            )
+        return {FIELDS[name]: value for name, value in moves.items()}
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """The object of one clip: one of ours by its name, or a height map."""
+
+    object_name: str | None = option("The shape that is pressed. [default: key]", "--object")
+    height_map: Path | None = option(
+        "Your own object, a .npy of heights in mm or a grey .png; what is highest touches first."
+    )
+    mm_per_px: float | None = option("With --height-map: the size of one sample.")
+    relief_mm: float | None = option(
+        "With a .png height map: how far white is above black. [default: 1]"
+    )
+
+    def read(self) -> tuple[str, Indenter | None]:
+        """Return the object's name, and its shape where it is none of ours."""
+        if self.height_map is None:
+            if self.mm_per_px is not None or self.relief_mm is not None:
+                raise UsageError(
+                    "--mm-per-px and --relief-mm say how to read a --height-map; give one."
+                )
+            from geotlm_lm.simulation.indenters import require_shape
+
+            name = "key" if self.object_name is None else self.object_name
+            require_shape(name)
+            return name, None
+        if self.object_name is not None:
+            raise UsageError(
+                "--object and --height-map both name the object; leave out one of them."
+            )
+        if self.relief_mm is not None and self.height_map.suffix.lower() == ".npy":
+            raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
+        if self.mm_per_px is None:
+            raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
+        from geotlm_lm.simulation.shapes import read_height_map
+
+        relief_mm = 1.0 if self.relief_mm is None else self.relief_mm
+        shape = read_height_map(self.height_map, self.mm_per_px, relief_mm=relief_mm)
+        return self.height_map.stem, shape
 
 
 class ForwardsClip(TyperCommand):
@@ -101,30 +148,28 @@ class ForwardsClip(TyperCommand):
         return command.make_context("simulate-clip", words, parent, **extra)
 
 
+@grouped
 def simulate(
     *,
-    out: Annotated[Path, path_option(help="Folder of the data set; a started one is continued.")],
-    count: Annotated[int, typer.Option(min=1, help="Clips in the data set.")] = 100,
-    objects: Annotated[
-        Literal["training", "everyday"],
-        typer.Option(help="Shapes to press: those for training, or 12 everyday ones kept apart."),
-    ] = "training",
-    mixed: Annotated[
-        float,
-        typer.Option(
-            min=0.0, max=1.0, help="Share of the clips that turn, slide and press at once."
-        ),
-    ] = 0.0,
-    workers: Processes = None,
+    out: Path = option("Folder of the data set; a started one is continued."),
+    count: int = option("Clips in the data set.", default=100, min=1),
+    objects: Literal["training", "everyday"] = option(
+        "Shapes to press: those for training, or 12 everyday ones kept apart.", default="training"
+    ),
+    mixed: float = option(
+        "Share of the clips that turn, slide and press at once.", default=0.0, min=0.0, max=1.0
+    ),
+    workers: int | None = option("Processes that simulate. [default: one per usable core]", min=1),
     cluster: ClusterAddress = None,
-    preset: SolverPreset = "fast",
-    drift: Drift = False,
-    markers: Markers = False,
-    labels_only: Annotated[
-        bool,
-        typer.Option("--labels-only", help="Write labels and true fields, and no pictures."),
-    ] = False,
-    form: Form = "npz",
+    solving: Solving,
+    labels_only: bool = option(
+        "Write labels and true fields, and no pictures.", "--labels-only", default=False
+    ),
+    form: Literal["npz", "huggingface"] = option(
+        "Files of the data set: archives of arrays, or tables with pictures for Hugging Face's "
+        "datasets.",
+        default="npz",
+    ),
     seed: Seed = 0,
 ) -> None:
     """Simulate a data set of touches: mechanics, optics, noise, and the truth about each clip.
@@ -143,9 +188,9 @@ def simulate(
         seed=seed,
         objects=TRAINING_OBJECTS if objects == "training" else EVERYDAY_OBJECTS,
         workers=by,
-        preset=preset,
-        with_drift=drift,
-        marker_share=float(markers),
+        preset=solving.preset,
+        with_drift=solving.drift,
+        marker_share=float(solving.markers),
         mixed_share=mixed,
         with_frames=not labels_only,
         form=form,
@@ -154,26 +199,13 @@ def simulate(
     print(out)
 
 
+@grouped
 def simulate_clip(
     *,
-    out: Annotated[
-        Path, typer.Argument(parser=path_of, metavar="OUT", help="The .npz that is written.")
-    ],
-    motion: MotionName = None,
-    turn: Turn = None,
-    slide_right: SlideRight = None,
-    slide_down: SlideDown = None,
-    press: Press = None,
-    pivot_right: PivotRight = None,
-    pivot_down: PivotDown = None,
-    depth: Depth = None,
-    object_name: ObjectName = None,
-    height_map: HeightMapFile = None,
-    mm_per_px: SampleSize = None,
-    relief_mm: Relief = None,
-    preset: SolverPreset = "fast",
-    drift: Drift = False,
-    markers: Markers = False,
+    out: Path = argument("OUT", "The .npz that is written."),
+    moves: Moves,
+    pressed: Pressed,
+    solving: Solving,
     force: Force = False,
     seed: Seed = 0,
 ) -> None:
@@ -183,78 +215,19 @@ def simulate_clip(
     """
     if out.suffix != ".npz":
         raise UsageError(f"OUT {out} was given, expected a name that ends in .npz.")
-    moves = {
-        "--turn": ("twist_deg", turn),
-        "--slide-right": ("slide_x_mm", slide_right),
-        "--slide-down": ("slide_y_mm", slide_down),
-        "--press": ("press_mm", press),
-        "--pivot-right": ("pivot_x_mm", pivot_right),
-        "--pivot-down": ("pivot_y_mm", pivot_down),
-        "--depth": ("depth_mm", depth),
-    }
-    numbers = _numbers(moves, motion)
-    indenter = _own_object(height_map, mm_per_px, relief_mm, object_name)
-    name = object_name if object_name is not None else "key"
-    if indenter is not None:
-        name = height_map.stem
-    else:
-        from geotlm_lm.simulation.indenters import require_shape
-
-        require_shape(name)
+    numbers = moves.numbers()
+    name, indenter = pressed.read()
     require_new_file(out, "OUT", is_forced=force)
     from geotlm_lm.simulation.touch import Touch, simulate_motion, simulate_touch
 
-    solving = {"preset": preset, "with_drift": drift}
-    own = {"indenter": indenter, "is_marked": markers, "seed": seed}
+    how = {"preset": solving.preset, "with_drift": solving.drift}
+    own = {"indenter": indenter, "is_marked": solving.markers, "seed": seed}
     if numbers:
-        made = simulate_touch(Touch(name, **numbers, **own), **solving)
+        made = simulate_touch(Touch(name, **numbers, **own), **how)
     else:
-        made = simulate_motion(name, Motion(motion or "clockwise"), **own, **solving)
+        made = simulate_motion(name, Motion(moves.motion or "clockwise"), **own, **how)
     _write(out, made)
     print(out)
-
-
-def _numbers(moves: dict[str, tuple[str, float | None]], motion: str | None) -> dict[str, float]:
-    """Return what the object is asked to do, exactly, by the fields of a `Touch`."""
-    moves = {option: values for option, values in moves.items() if values[1] is not None}
-    if not moves:
-        return {}
-    if motion is not None:
-        raise UsageError(f"{' and '.join(moves)} cannot go with --motion; leave out one of them.")
-    from geotlm_lm.simulation.touch import require_in_range
-
-    for option, (field, value) in moves.items():
-        require_in_range(field, value, option)
-    numbers = dict(moves.values())
-    if not numbers.get("twist_deg") and (numbers.get("pivot_x_mm") or numbers.get("pivot_y_mm")):
-        raise UsageError(
-            "--pivot-right and --pivot-down say where the axis of a --turn lies; give one."
-        )
-    return numbers
-
-
-def _own_object(
-    height_map: Path | None,
-    mm_per_px: float | None,
-    relief_mm: float | None,
-    object_name: str | None,
-) -> Indenter | None:
-    if height_map is None:
-        if mm_per_px is not None or relief_mm is not None:
-            raise UsageError(
-                "--mm-per-px and --relief-mm say how to read a --height-map; give one."
-            )
-        return None
-    if object_name is not None:
-        raise UsageError("--object and --height-map both name the object; leave out one of them.")
-    if relief_mm is not None and height_map.suffix.lower() == ".npy":
-        raise UsageError("--relief-mm is of a .png; the heights of a .npy are in mm already.")
-    if mm_per_px is None:
-        raise UsageError("--height-map needs --mm-per-px, the size of one sample in mm.")
-    from geotlm_lm.simulation.shapes import read_height_map
-
-    relief_mm = 1.0 if relief_mm is None else relief_mm
-    return read_height_map(height_map, mm_per_px, relief_mm=relief_mm)
 
 
 def _write(path: Path, made: SimulatedClip) -> None:

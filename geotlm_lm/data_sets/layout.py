@@ -6,7 +6,7 @@ import json
 import os
 import re
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -253,9 +253,9 @@ def read_frames(path: Path) -> FrameTable:
     table = read_table(path, ["episode_index", "frame_index", "timestamp"])
     return FrameTable(
         path,
-        whole_numbers(path, table, "episode_index"),
-        whole_numbers(path, table, "frame_index"),
-        seconds(path, table, "timestamp"),
+        column_of(path, table, "episode_index", is_whole=True),
+        column_of(path, table, "frame_index", is_whole=True),
+        column_of(path, table, "timestamp", is_whole=False),
     )
 
 
@@ -296,39 +296,20 @@ def damage_as_sentence(path: Path) -> Iterator[None]:
         ) from error
 
 
-def whole_numbers(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.int64]:
-    """Return a column of numbers that count, (rows,)."""
+def column_of(
+    path: Path, table: pyarrow.Table, name: str, *, is_whole: bool
+) -> NDArray[np.int64] | NDArray[np.float64]:
+    """Return a column of numbers that count, or of times in seconds, (rows,)."""
     from pyarrow import types
 
-    return _numbers(path, table, name, types.is_integer, 2**63, "whole numbers from 0 on").astype(
-        np.int64
-    )
-
-
-def seconds(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.float64]:
-    """Return a column of times, (rows,)."""
-    from pyarrow import types
-
-    def is_number(kind: pyarrow.DataType) -> bool:
-        return types.is_floating(kind) or types.is_integer(kind)
-
-    expected = f"seconds from 0 to {LONGEST_S:g}"
-    return _numbers(path, table, name, is_number, LONGEST_S, expected).astype(np.float64)
-
-
-def _numbers(
-    path: Path,
-    table: pyarrow.Table,
-    name: str,
-    is_kind: Callable[[pyarrow.DataType], bool],
-    most: float,
-    expected: str,
-) -> NDArray[Any]:
-    column = table[name]
-    if is_kind(column.type) and not column.null_count:
+    column, most, expected = table[name], LONGEST_S, f"seconds from 0 to {LONGEST_S:g}"
+    if is_whole:
+        most, expected = 2**63, "whole numbers from 0 on"
+    is_kind = types.is_integer(column.type) or (not is_whole and types.is_floating(column.type))
+    if is_kind and not column.null_count:
         values = column.to_numpy()
         if ((values >= 0) & (values < most)).all():
-            return values
+            return values.astype(np.int64 if is_whole else np.float64)
     held = f"{column.null_count} empty cells" if column.null_count else f"{column.type} values"
     raise UnreadableClip(
         f"{path}: its column {name} holds {held} that cannot be, expected {expected}; copy or "

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -23,19 +23,17 @@ from geotlm_lm.data_sets.layout import (
     EPISODES,
     INFO,
     Info,
+    column_of,
     contained,
     filled,
     read_frames,
     read_info,
     read_table,
-    seconds,
-    whole_numbers,
 )
 from geotlm_lm.recordings.images import decoded_image
-from geotlm_lm.recordings.listing import stamp_of
 from geotlm_lm.recordings.pixels import with_pixel_shape
 from geotlm_lm.recordings.policy import stride_for, stride_note
-from geotlm_lm.recordings.read import require_motion
+from geotlm_lm.recordings.read import require_motion, stamp_of
 
 OFF_SHARE = 0.5
 """Share of the time between two frames by which a picture may be off its row's time."""
@@ -160,32 +158,27 @@ def is_data_set(path: Path) -> bool:
 def _episodes(path: Path, cameras: list[str]) -> Iterator[Episode]:
     """Yield the episodes of a table, whose pictures these cameras have in videos."""
     own = ("episode_index", "length", "data/chunk_index", "data/file_index")
-    counted = {
-        camera: [f"videos/{camera}/{name}" for name in ("chunk_index", "file_index")]
-        for camera in cameras
-    }
-    since = {camera: f"videos/{camera}/from_timestamp" for camera in cameras}
-    table = read_table(path, [*own, *sum(counted.values(), []), *since.values()])
-    columns = [whole_numbers(path, table, name).tolist() for name in own]
-    videos = [
-        [
-            VideoPlace(*place)
-            for place in zip(
-                *(whole_numbers(path, table, name).tolist() for name in counted[camera]),
-                seconds(path, table, since[camera]).tolist(),
-                strict=True,
-            )
-        ]
-        for camera in cameras
-    ]
-    if 0 in columns[1]:
+    places = ("chunk_index", "file_index", "from_timestamp")
+    of_videos = [[f"videos/{camera}/{place}" for place in places] for camera in cameras]
+    table = read_table(path, [*own, *sum(of_videos, [])])
+
+    def rows_of(names: Sequence[str]) -> list[tuple]:
+        columns = (
+            column_of(path, table, name, is_whole=not name.endswith(places[-1])) for name in names
+        )
+        return list(zip(*(column.tolist() for column in columns), strict=True))
+
+    episodes = rows_of(own)
+    videos = [[VideoPlace(*place) for place in rows_of(names)] for names in of_videos]
+    if any(length == 0 for _, length, *_ in episodes):
         raise UnreadableClip(
             f"{path}: an episode has a length of 0 frames, expected 1 or more; record the data "
             f"set again."
         )
-    for row, numbers in enumerate(zip(*columns, strict=True)):
-        places = {camera: videos[number][row] for number, camera in enumerate(cameras)}
-        yield Episode(*numbers, places)
+    for row, numbers in enumerate(episodes):
+        yield Episode(
+            *numbers, {camera: seen[row] for camera, seen in zip(cameras, videos, strict=True)}
+        )
 
 
 def episode_clip(

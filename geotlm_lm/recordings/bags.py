@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -35,50 +34,33 @@ METADATA = "metadata.yaml"
 RAW, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
 
-@dataclass(frozen=True)
-class _Encoding:
-    """How an image message holds a pixel."""
-
-    channels: int
-    to_rgb: int | None
-    bits: int = 8
-
-
-def _in_8_and_16_bits(name: str, channels: int, to_rgb: int | None) -> dict[str, _Encoding]:
-    return {f"{name}{bits}": _Encoding(channels, to_rgb, bits) for bits in (8, 16)}
-
-
-# Named by the four pixels at the upper left, as ROS does, and not by OpenCV's older names, which
-# begin at the second row and column.
-_MOSAICS = {
-    "rggb": cv2.COLOR_BayerRGGB2RGB,
-    "bggr": cv2.COLOR_BayerBGGR2RGB,
-    "gbrg": cv2.COLOR_BayerGBRG2RGB,
-    "grbg": cv2.COLOR_BayerGRBG2RGB,
-}
+# Mosaics are named by the four pixels at the upper left, as ROS does, and not by OpenCV's older
+# names, which begin at the second row and column.
+_FORMS = (
+    ("rgb{}", 3, None),
+    ("bgr{}", 3, cv2.COLOR_BGR2RGB),
+    ("rgba{}", 4, cv2.COLOR_RGBA2RGB),
+    ("bgra{}", 4, cv2.COLOR_BGRA2RGB),
+    ("mono{}", 1, cv2.COLOR_GRAY2RGB),
+    ("{}UC1", 1, cv2.COLOR_GRAY2RGB),
+    ("{}UC3", 3, cv2.COLOR_BGR2RGB),
+    ("{}UC4", 4, cv2.COLOR_BGRA2RGB),
+    ("yuv422", 2, cv2.COLOR_YUV2RGB_UYVY),
+    ("uyvy", 2, cv2.COLOR_YUV2RGB_UYVY),
+    ("yuv422_yuy2", 2, cv2.COLOR_YUV2RGB_YUY2),
+    ("yuyv", 2, cv2.COLOR_YUV2RGB_YUY2),
+    ("bayer_rggb{}", 1, cv2.COLOR_BayerRGGB2RGB),
+    ("bayer_bggr{}", 1, cv2.COLOR_BayerBGGR2RGB),
+    ("bayer_gbrg{}", 1, cv2.COLOR_BayerGBRG2RGB),
+    ("bayer_grbg{}", 1, cv2.COLOR_BayerGRBG2RGB),
+)
 
 ENCODINGS = {
-    **_in_8_and_16_bits("rgb", 3, None),
-    **_in_8_and_16_bits("bgr", 3, cv2.COLOR_BGR2RGB),
-    **_in_8_and_16_bits("rgba", 4, cv2.COLOR_RGBA2RGB),
-    **_in_8_and_16_bits("bgra", 4, cv2.COLOR_BGRA2RGB),
-    **_in_8_and_16_bits("mono", 1, cv2.COLOR_GRAY2RGB),
-    "8UC1": _Encoding(1, cv2.COLOR_GRAY2RGB),
-    "16UC1": _Encoding(1, cv2.COLOR_GRAY2RGB, 16),
-    "8UC3": _Encoding(3, cv2.COLOR_BGR2RGB),
-    "16UC3": _Encoding(3, cv2.COLOR_BGR2RGB, 16),
-    "8UC4": _Encoding(4, cv2.COLOR_BGRA2RGB),
-    "16UC4": _Encoding(4, cv2.COLOR_BGRA2RGB, 16),
-    "yuv422": _Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
-    "uyvy": _Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
-    "yuv422_yuy2": _Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
-    "yuyv": _Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
-    **{
-        name: encoding
-        for order, to_rgb in _MOSAICS.items()
-        for name, encoding in _in_8_and_16_bits(f"bayer_{order}", 1, to_rgb).items()
-    },
+    form.format(bits): (channels, to_rgb, bits)
+    for form, channels, to_rgb in _FORMS
+    for bits in ((8, 16) if "{}" in form else (8,))
 }
+"""How an image message holds a pixel: channels, conversion to RGB if any, bits, by its name."""
 
 
 def is_bag(path: Path) -> bool:
@@ -217,11 +199,11 @@ def _unpadded(message: Any, name: str) -> Frames:
             f"{name} has the encoding {message.encoding or '(none)'}, expected "
             f"{', '.join(ENCODINGS)}; publish the camera's images in one of these."
         )
-    encoding = ENCODINGS[message.encoding]
+    channels, to_rgb, bits = ENCODINGS[message.encoding]
     order = ">" if message.is_bigendian else "<"
-    kind = np.dtype(np.uint8 if encoding.bits == 8 else f"{order}u2")
+    kind = np.dtype(np.uint8 if bits == 8 else f"{order}u2")
     kept_frames(rows, columns, name)  # refused before room is made for it
-    line = columns * encoding.channels * kind.itemsize
+    line = columns * channels * kind.itemsize
     step, data = message.step, message.data
     if 0 in (rows, columns) or step < line or len(data) < step * rows:
         raise UnreadableClip(
@@ -231,10 +213,10 @@ def _unpadded(message: Any, name: str) -> Frames:
     lines = np.ascontiguousarray(data[: step * rows].reshape(rows, step)[:, :line])
     pixels = lines.view(kind).astype(kind.newbyteorder("=")).reshape(rows, columns, -1)
     [pixels] = of_8_bits([pixels], name)
-    if encoding.to_rgb is None:
+    if to_rgb is None:
         return pixels
     try:
-        return cv2.cvtColor(pixels, encoding.to_rgb)
+        return cv2.cvtColor(pixels, to_rgb)
     except cv2.error as error:  # an odd number of columns in pairs of pixels
         raise UnreadableClip(
             f"{name} has {columns} x {rows} pixels, which the encoding {message.encoding} "

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, replace
 from statistics import NormalDist
 
 import numpy as np
@@ -118,12 +118,8 @@ KINDS = {
 """Of all other ways it is a slide."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
-    """A frame of a clip, as it was measured."""
-
-    row: Row
-    frame: Frames
+Shown = tuple[Row, Frames]
+"""A frame of a clip, as it was measured, and its picture."""
 
 
 def track_of_clip(shown: Sequence[Shown], belief: Belief, notes: tuple[str, ...] = ()) -> Track:
@@ -132,7 +128,7 @@ def track_of_clip(shown: Sequence[Shown], belief: Belief, notes: tuple[str, ...]
     What moves by the belief is an event from the first frame to the last, spread over the steps as
     these were measured.
     """
-    rows, count = [frame.row for frame in shown], len(shown)
+    rows, count = [row for row, _ in shown], len(shown)
     events = _events(rows, belief)
     twists, covariances = np.zeros((count, 4)), np.zeros((count, 4, 4))
     for event in events:
@@ -154,7 +150,7 @@ def track_of_clip(shown: Sequence[Shown], belief: Belief, notes: tuple[str, ...]
         radius_px=np.full(count, belief.radius_px if touched >= 0.5 else 0.0),
         turn_shares=np.full(count, UNSURE_SHARE),
         events=(),
-        frame_size=shown[0].frame.shape[:2],
+        frame_size=shown[0][1].shape[:2],
         notes=notes,
         is_contact_known=belief.is_contact_known,
         stated_limits=dict(belief.limits) or None,

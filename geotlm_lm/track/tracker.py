@@ -228,7 +228,7 @@ class Tracker:
                 return []
             frame = steady
         if len(self._shown) <= FRAME_COUNT:
-            self._shown.append(Shown(Row(self._number, taken_s, 0.0, 0.0, False), frame))
+            self._shown.append((Row(self._number, taken_s, 0.0, 0.0, False), frame))
         exposure = self._idle.follow_exposure(frame)
         if exposure is not None:
             self._stepped.append(self._number)
@@ -241,7 +241,7 @@ class Tracker:
         row = self._measured(frame)
         self._before = frame
         if self._is_short:
-            self._shown[-1] = Shown(row, frame)
+            self._shown[-1] = (row, frame)
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
         events = self._settled() if ended else []
         if ended:
@@ -270,7 +270,7 @@ class Tracker:
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
         if self._is_short and len(self._shown) > 1:
-            clip = Clip(np.stack([shown.frame for shown in self._shown]), background=self.idle)
+            clip = Clip(np.stack([frame for _, frame in self._shown]), background=self.idle)
             track = track_of_clip(self._shown, self._whole(clip), self._scene.notes)
             doubted = tuple(self._doubted(list(track.events)))
             contact = self._contact_of(track.contact)

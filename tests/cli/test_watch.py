@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import threading
 from contextlib import ExitStack
 
 import cv2
@@ -15,6 +14,7 @@ from geotlm_lm.recordings import streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
+from tests.recordings.fake_camera import FakeCamera
 from tests.recordings.test_read import write_video
 
 
@@ -204,31 +204,6 @@ def test_frames_of_224_pixels_are_taken_as_asked(
     assert widths == {columns}
 
 
-class Waiting:
-    """A camera whose driver gives some BGR frames, and then none until it is released."""
-
-    def __init__(self, frames):
-        self.left, self.may_go_on = list(frames), threading.Event()
-
-    def isOpened(self):  # noqa: N802
-        return True
-
-    def grab(self):
-        return bool(self.left) or self.may_go_on.wait(60)
-
-    def get(self, name):
-        return 25.0
-
-    def read(self):
-        if not self.left:
-            self.may_go_on.wait(60)
-            return False, None
-        return True, self.left.pop(0)
-
-    def release(self):
-        self.may_go_on.set()
-
-
 @pytest.fixture
 def plugged_in(monkeypatch):
     monkeypatch.setattr(streams, "SILENT_S", 0.01)
@@ -236,8 +211,8 @@ def plugged_in(monkeypatch):
     with ExitStack() as cameras:
 
         def plug_in(frames):
-            camera = Waiting(frames)
-            cameras.callback(camera.may_go_on.set)
+            camera = FakeCamera(frames, waits=True)
+            cameras.callback(camera.release)
             monkeypatch.setattr(cv2, "VideoCapture", lambda *_: camera)
 
         yield plug_in

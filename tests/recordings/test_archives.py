@@ -7,8 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings.listing import declared_bytes
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import declared_bytes, read_clip
 from tests.recordings.test_read import FRAMES, refusal, write_images, write_video
 
 
