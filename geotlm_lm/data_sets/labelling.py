@@ -52,6 +52,9 @@ if TYPE_CHECKING:
 
 Values = NDArray[np.float32]
 
+Columns = dict[str, list[Values]]
+"""Name of a column -> its values in each episode, by the episode's number, (frames,)."""
+
 LABELS_VERSION = 1
 """Of what is written of an episode: another version's are not continued."""
 
@@ -113,6 +116,10 @@ class Labelling:
         quantities = ("turn_deg_s", f"right_{unit}_s", f"down_{unit}_s", "contact")
         names = [f"{self.short_camera}.{quantity}" for quantity in quantities]
         return tuple(name for name in names for name in (name, f"{name}_deviation"))
+
+    def columns(self, values: Sequence[Values]) -> Columns:
+        """Return the columns by their names, of each episode's values, (frames, columns)."""
+        return {name: [own[:, k] for own in values] for k, name in enumerate(self.names)}
 
 
 @dataclass(frozen=True)
@@ -184,9 +191,8 @@ def label_data_set(
             "refused": {str(n): reason for n, reason in refused.items()},
             "notes": {str(n): about["notes"] for n, about in enumerate(abouts) if about["notes"]},
         }
-        events_file = f"meta/{labelling.short_camera}_events.parquet"
-        labels = Labels(labelling.names, values, events, events_file, made_by)
-        write_labelled(data_set, labels, folder / "data_set")
+        write_labelled(data_set, labelling.columns(values), folder / "data_set")
+        _write_events(folder / "data_set/meta", labelling.short_camera, events, made_by)
         with uninterrupted_step():
             move_into_place(folder / "data_set", out)
             shutil.rmtree(folder)
@@ -221,7 +227,7 @@ def _require_free(data_set: LeRobotDataSet, labelling: Labelling, out: Path, wri
 def _settings(data_set: LeRobotDataSet, labelling: Labelling) -> dict[str, Any]:
     """Return what decides the labels; the new data set keeps it beside the events."""
     episodes = [asdict(episode) for episode in data_set.episodes]
-    content = json.dumps({"info": data_set.info.content, "episodes": episodes}, sort_keys=True)
+    content = json.dumps({"info": data_set.info, "episodes": episodes}, sort_keys=True)
     return {
         "labels": LABELS_VERSION,
         "made_by": f"geotlm-lm {__version__}",
@@ -314,17 +320,6 @@ def _is_kept(episode: Episode, file: Path) -> bool:
 # Writing: the same episodes with columns added; videos are linked.
 
 
-@dataclass(frozen=True, eq=False)
-class Labels:
-    """What is added to a data set."""
-
-    names: tuple[str, ...]  # of the columns
-    values: Sequence[Values]  # of each episode, by its number, (frames, columns)
-    events: Sequence[dict[str, Any]]  # as rows of the events' table, with their episode
-    events_file: str  # where that table goes, from the root on
-    made_by: dict[str, Any]  # plain values that say what made them
-
-
 def require_whole(data_set: LeRobotDataSet) -> None:
     """Refuse a data set of which no labelled copy can be written.
 
@@ -349,24 +344,23 @@ def require_whole(data_set: LeRobotDataSet) -> None:
     _other_files(data_set.root, set())
 
 
-def write_labelled(data_set: LeRobotDataSet, labels: Labels, out: Path) -> None:
-    """Write the data set with what is added to it into a new folder, in which nothing may be."""
+def write_labelled(data_set: LeRobotDataSet, columns: Columns, out: Path) -> None:
+    """Write the data set with more columns into a new folder, in which nothing may be."""
     rewritten = {data_set.data_path(episode) for episode in data_set.episodes}
     tables = {
         path.relative_to(data_set.root).as_posix()
         for path in sorted((data_set.root / EPISODES).glob("*/*.parquet"))
     }
     _copy_others(data_set.root, out, rewritten | tables | {INFO, STATISTICS})
-    added = {name: {"dtype": "float32", "shape": [1], "names": None} for name in labels.names}
+    added = {name: {"dtype": "float32", "shape": [1], "names": None} for name in columns}
     features = data_set.features | added
-    info = data_set.info.content | {"features": features}
+    info = data_set.info | {"features": features}
     write_text_atomically(out / INFO, json.dumps(info, indent=4) + "\n")
     for name in sorted(rewritten):
-        _write_rows(data_set.root / name, out / name, labels)
+        _write_rows(data_set.root / name, out / name, columns)
     for name in sorted(tables):
-        _write_episodes(data_set.root / name, out / name, labels)
-    _write_statistics(data_set, out / STATISTICS, labels)
-    _write_events(out / labels.events_file, labels)
+        _write_episodes(data_set.root / name, out / name, columns)
+    _write_statistics(data_set, out / STATISTICS, columns)
 
 
 def _other_files(root: Path, but: set[str]) -> list[Path]:
@@ -412,7 +406,7 @@ def _statistics_of(values: Values) -> dict[str, list[float | int]]:
     return {name: [float(value)] for name, value in kinds.items()} | {"count": [len(values)]}
 
 
-def _write_rows(source: Path, target: Path, labels: Labels) -> None:
+def _write_rows(source: Path, target: Path, columns: Columns) -> None:
     """Write a table of frames with the columns, group of rows by group as it was."""
     import pyarrow
     from pyarrow import parquet
@@ -422,29 +416,28 @@ def _write_rows(source: Path, target: Path, labels: Labels) -> None:
         parquet.ParquetFile(plain) as file,
         replacing(target) as stream,
     ):
-        added = [pyarrow.field(name, pyarrow.float32()) for name in labels.names]
+        added = [pyarrow.field(name, pyarrow.float32()) for name in columns]
         schema = pyarrow.schema([*file.schema_arrow, *added], file.schema_arrow.metadata)
         with parquet.ParquetWriter(stream, schema) as writer:
             for group in range(file.num_row_groups):
                 with damage_as_sentence(source):
                     table = file.read_row_group(group)
-                for number, name in enumerate(labels.names):
-                    column = _of_rows(table, labels.values, number)
-                    table = table.append_column(name, pyarrow.array(column))
+                for name, values in columns.items():
+                    table = table.append_column(name, pyarrow.array(_of_rows(table, values)))
                 writer.write_table(table.cast(schema))
 
 
-def _of_rows(table: pyarrow.Table, values: Sequence[Values], number: int) -> Values:
+def _of_rows(table: pyarrow.Table, values: list[Values]) -> Values:
     episodes = table["episode_index"].to_numpy()
     frames = table["frame_index"].to_numpy()
     column = np.empty(len(frames), np.float32)
     for episode in np.unique(episodes):
         where = episodes == episode
-        column[where] = values[episode][frames[where], number]
+        column[where] = values[episode][frames[where]]
     return column
 
 
-def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
+def _write_episodes(source: Path, target: Path, columns: Columns) -> None:
     """Write a table of episodes with the columns' statistics, where it holds others'."""
     import pyarrow
     from pyarrow import parquet
@@ -452,8 +445,8 @@ def _write_episodes(source: Path, target: Path, labels: Labels) -> None:
     table = read_table(source)
     if any(name.startswith("stats/") for name in table.column_names):
         episodes = table["episode_index"].to_pylist()
-        for number, name in enumerate(labels.names):
-            known = [_statistics_of(labels.values[index][:, number]) for index in episodes]
+        for name, values in columns.items():
+            known = [_statistics_of(values[index]) for index in episodes]
             for kind in _statistics_of(np.zeros(1, np.float32)):  # of no episode, too
                 whole = pyarrow.int64() if kind == "count" else pyarrow.float64()
                 cells = pyarrow.array([column[kind] for column in known], pyarrow.list_(whole))
@@ -467,24 +460,25 @@ def _read_statistics(data_set: LeRobotDataSet) -> dict[str, Any] | None:
     return read_object(path) if os.path.lexists(path) else None
 
 
-def _write_statistics(data_set: LeRobotDataSet, target: Path, labels: Labels) -> None:
+def _write_statistics(data_set: LeRobotDataSet, target: Path, columns: Columns) -> None:
     statistics = _read_statistics(data_set)
     if statistics is None:  # none are kept of the other columns either
         return
-    for number, name in enumerate(labels.names):
-        column = np.concatenate([values[:, number] for values in labels.values])
-        statistics[name] = _statistics_of(column)
+    for name, values in columns.items():
+        statistics[name] = _statistics_of(np.concatenate(values))
     write_text_atomically(target, json.dumps(statistics, indent=4) + "\n")
 
 
-def _write_events(path: Path, labels: Labels) -> None:
+def _write_events(
+    folder: Path, camera: str, events: list[dict[str, Any]], made_by: dict[str, Any]
+) -> None:
     import pyarrow
     from pyarrow import parquet
 
     fields = [
         pyarrow.field(name, pyarrow.type_for_alias(kind)) for name, kind in _EVENT_TYPES.items()
     ]
-    about = {"geotlm_lm": json.dumps(labels.made_by)}
-    table = pyarrow.Table.from_pylist(list(labels.events), pyarrow.schema(fields, about))
-    with replacing(path) as stream:
+    about = {"geotlm_lm": json.dumps(made_by)}
+    table = pyarrow.Table.from_pylist(events, pyarrow.schema(fields, about))
+    with replacing(folder / f"{camera}_events.parquet") as stream:
         parquet.write_table(table, stream)

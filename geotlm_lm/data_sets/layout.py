@@ -6,7 +6,7 @@ import json
 import os
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -52,29 +52,11 @@ def filled(template: str, chunk: int, file: int, camera: str = "") -> str:
     return str(PurePosixPath(template.format(video_key=camera, **numbers)))
 
 
-@dataclass(frozen=True)
-class Info:
-    """What a data set says of itself.
+def read_info(root: Path) -> dict[str, Any]:
+    """Return what the data set in a folder says of itself, all that is used of it checked.
 
-    Args:
-        fps: Frames per second, as a camera may have.
-        kinds: The type of each column by its name; a camera's name is one part of a path.
-        data_path: Template of the tables of frames, checked to stay below the root.
-        video_path: Likewise of the videos; None where no column is one.
-        total_episodes: How many there are.
-        content: All that the file holds.
+    A camera's name is one part of a path, and the templates of paths stay below the root.
     """
-
-    fps: float
-    kinds: Mapping[str, str]
-    data_path: str
-    video_path: str | None
-    total_episodes: int
-    content: dict[str, Any]
-
-
-def read_info(root: Path) -> Info:
-    """Return what the data set in a folder says of itself."""
     path = root / INFO
     if not os.path.isfile(path):
         raise UnreadableClip(
@@ -89,17 +71,10 @@ def read_info(root: Path) -> Info:
     if not _is_number(total) or isinstance(total, float) or total < 0:
         raise _senseless(path, "total_episodes", total, "a whole number")
     kinds = _kinds(path, content.get("features"))
-    has_videos = "video" in kinds.values()
-    return Info(
-        fps=float(fps),
-        kinds=kinds,
-        data_path=_template(path, content, "data_path", PLACE_FIELDS),
-        video_path=_template(path, content, "video_path", (*PLACE_FIELDS, "video_key"))
-        if has_videos
-        else None,
-        total_episodes=total,
-        content=content,
-    )
+    _require_template(path, content, "data_path", PLACE_FIELDS)
+    if "video" in kinds:
+        _require_template(path, content, "video_path", (*PLACE_FIELDS, "video_key"))
+    return content
 
 
 def read_object(path: Path) -> dict[str, Any]:
@@ -149,10 +124,11 @@ def _require_version(root: Path, version: object) -> None:
     )
 
 
-def _kinds(path: Path, features: object) -> dict[str, str]:
+def _kinds(path: Path, features: object) -> set[str]:
+    """Return the types of columns there are, each checked."""
     if not isinstance(features, dict):
         raise _senseless(path, "features", features, "an object with each column's dtype")
-    kinds = {}
+    kinds = set()
     for name, feature in features.items():
         kind = feature.get("dtype") if isinstance(feature, dict) else None
         if not isinstance(kind, str):
@@ -160,11 +136,13 @@ def _kinds(path: Path, features: object) -> dict[str, str]:
         is_part = name == PureWindowsPath(name).name and name != ".." and name.isprintable()
         if kind in ("video", "image") and not is_part:
             raise _senseless(path, "a camera's name", name, "one without slashes")
-        kinds[name] = kind
+        kinds.add(kind)
     return kinds
 
 
-def _template(path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]) -> str:
+def _require_template(
+    path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]
+) -> None:
     text = content.get(name)
     fault = _fault(text, fields) if isinstance(text, str) else "is no text"
     if fault is not None:
@@ -172,7 +150,6 @@ def _template(path: Path, content: dict[str, Any], name: str, fields: tuple[str,
             f"{path}: its {name}, {_shown(text)}, {fault}, expected a path below the data set's "
             f"folder such as {USUAL_PATHS[name]}; correct it, or copy the data set again."
         )
-    return text
 
 
 def _fault(text: str, fields: tuple[str, ...]) -> str | None:

@@ -22,7 +22,6 @@ from geotlm_lm.core.errors import UnreadableClip, UsageError, first_line, requir
 from geotlm_lm.data_sets.layout import (
     EPISODES,
     INFO,
-    Info,
     column_of,
     contained,
     filled,
@@ -67,24 +66,23 @@ class LeRobotDataSet:
     """A data set that is read where it lies; its episodes are numbered from 0 in order."""
 
     root: Path
-    info: Info
+    info: dict[str, Any]  # as of `read_info`
     episodes: tuple[Episode, ...]
 
     @property
     def fps(self) -> float:
         """Frames per second."""
-        return self.info.fps
+        return float(self.info["fps"])
 
     @property
     def features(self) -> dict[str, dict[str, Any]]:
         """What each column is, by its name."""
-        return self.info.content["features"]
+        return self.info["features"]
 
     @property
     def cameras(self) -> tuple[str, ...]:
         """Names of the features that are pictures, by name."""
-        kinds = self.info.kinds.items()
-        return tuple(sorted(name for name, kind in kinds if kind in ("video", "image")))
+        return tuple(sorted(names_of(self.features, "video", "image")))
 
     def require_camera(self, camera: str) -> None:
         """Refuse a camera that the data set lacks."""
@@ -105,7 +103,7 @@ class LeRobotDataSet:
 
     def data_path(self, episode: Episode) -> str:
         """Return the path of the table with an episode's frames, from the root on."""
-        return filled(self.info.data_path, episode.chunk, episode.file)
+        return filled(self.info["data_path"], episode.chunk, episode.file)
 
     def table_of(self, episode: Episode) -> Path:
         """Return the file with the rows of an episode's frames."""
@@ -113,10 +111,10 @@ class LeRobotDataSet:
 
     def video_of(self, episode: Episode, camera: str) -> Path | None:
         """Return the video in which a camera saw an episode; None where its table has pictures."""
-        if self.info.video_path is None or camera not in episode.videos:
+        if camera not in episode.videos:
             return None
         place = episode.videos[camera]
-        name = filled(self.info.video_path, place.chunk, place.file, camera)
+        name = filled(self.info["video_path"], place.chunk, place.file, camera)
         return contained(self.root, name)
 
 
@@ -137,17 +135,21 @@ def read_data_set(root: Path) -> LeRobotDataSet:
             f"{root / EPISODES}: holds no table of episodes, expected chunk-000/file-000.parquet; "
             f"copy the data set again."
         )
-    cameras = [name for name, kind in info.kinds.items() if kind == "video"]
+    cameras = names_of(info["features"], "video")
+    total = info["total_episodes"]
     episodes = [episode for path in paths for episode in _episodes(path, cameras)]
     episodes.sort(key=lambda episode: episode.index)
-    if [episode.index for episode in episodes] != list(range(len(episodes))) or (
-        len(episodes) != info.total_episodes
-    ):
+    if len(episodes) != total or any(k != e.index for k, e in enumerate(episodes)):
         raise UnreadableClip(
-            f"{root}: {len(episodes)} episodes were found, expected {info.total_episodes} counted "
+            f"{root}: {len(episodes)} episodes were found, expected {total} counted "
             f"from 0 as {INFO} says; copy the data set again."
         )
     return LeRobotDataSet(root, info, tuple(episodes))
+
+
+def names_of(features: dict[str, dict[str, Any]], *kinds: str) -> list[str]:
+    """Return the names of the features that are of some kinds."""
+    return [name for name, feature in features.items() if feature["dtype"] in kinds]
 
 
 def is_data_set(path: Path) -> bool:

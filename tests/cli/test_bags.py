@@ -47,12 +47,3 @@ def test_a_folder_of_them_is_answered_in_a_batch(capsys, answerer, tmp_path, bag
     assert code == 0, errors
     [row] = map(json.loads, out.read_text().splitlines())
     assert (row["clip"], row["error"]) == ("run", None)
-
-
-def test_without_a_topic_they_are_listed(capsys, bag):
-    code, out, errors = run(capsys, "info", bag)
-    assert (code, out) == (3, "")
-    assert errors == (
-        f"{bag}: holds images on 2 topics, {TOPIC} (70 images), /wrist (3 images), expected one; "
-        f"give it by --topic.\n"
-    )

@@ -152,13 +152,6 @@ def test_a_video_never_replaces_the_recording(capsys, tmp_path, forced):
     assert own.read_bytes() == b"a recording"
 
 
-def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
-    code, out, err = run(capsys, "97")
-    assert (code, out) == (7, "")
-    assert err.startswith("Camera 97 does not open (")
-    assert err.count("\n") == 1
-
-
 def test_a_missing_recording_ends_with_code_3_and_leaves_no_folder_behind(capsys, tmp_path):
     drawing = tmp_path / "new" / "out.mp4"
     code, out, err = run(capsys, "gone.avi", "--video", drawing)
