@@ -38,19 +38,19 @@ _HOME_OF = {
     "arrow_ends": "geotlm_lm.views",
     "camera_size": "geotlm_lm.core.geometry",
     "change_map": "geotlm_lm.recordings.touch",
-    "declared_bytes": "geotlm_lm.recordings.listing",
+    "declared_bytes": "geotlm_lm.recordings.read",
     "draw_depth": "geotlm_lm.views",
     "drawing_of": "geotlm_lm.track.drawing",
     "is_streamed": "geotlm_lm.recordings.streams",
     "open_source": "geotlm_lm.recordings.streams",
     "picture": "geotlm_lm.views",
-    "plot_png": "geotlm_lm.track.plot",
+    "plot_png": "geotlm_lm.track.drawing",
     "read_clip": "geotlm_lm.recordings.read",
     "regions_of": "geotlm_lm.answering.evidence_of",
     "second_opinions": "geotlm_lm.reference_readings",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views",
-    "write_plot": "geotlm_lm.track.plot",
+    "write_plot": "geotlm_lm.track.drawing",
 }
 
 __all__ = ["__version__", *sorted(_HOME_OF)]

@@ -21,8 +21,7 @@ from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.scene_checks import SceneReport, scene_of
 from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
 from geotlm_lm.track.block import believer
-from geotlm_lm.track.short import Whole
-from geotlm_lm.track.summed import belief_of_track
+from geotlm_lm.track.summed import Whole, belief_of_track
 from geotlm_lm.track.track import Track, window_of
 from geotlm_lm.track.tracker import Tracker, gel_of, track_of
 

@@ -27,7 +27,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import Component, Twist
-from geotlm_lm.data.gold_turns import GoldTurn, Moment, Quality, read_gold_turns
+from geotlm_lm.data.touch_table import GoldTurn, Moment, Quality, read_gold_turns
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.track.events import Event, EventKind, Span
 from geotlm_lm.track.track import Track

@@ -17,7 +17,7 @@ from geotlm_lm.benchmarks.imprints import NOISE_GREY, SOURCES, Imprint
 from geotlm_lm.benchmarks.loop import spread_ms
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.numbers import generator_for
-from geotlm_lm.data.gold_turns import GoldTurn, Quality, read_gold_turns
+from geotlm_lm.data.touch_table import GoldTurn, Quality, read_gold_turns
 from geotlm_lm.recordings.read import read_clip
 
 SURE = 0.5

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import json
-import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from geotlm_lm.cli.grouped import Answering, Recording, RerunOutput, grouped
-from geotlm_lm.cli.options import AsJson
+from geotlm_lm.cli.options import Answering, AsJson, Recording, RerunOutput, grouped, option
+from geotlm_lm.cli.progress import print_notes
 from geotlm_lm.core.errors import Abstained, check_question
 
 if TYPE_CHECKING:
@@ -23,15 +20,13 @@ if TYPE_CHECKING:
 def answer(
     *,
     recording: Recording,
-    question: Annotated[str, typer.Option("--q", help="The question, in plain English.")],
+    question: str = option("The question, in plain English.", "--q"),
     as_json: AsJson = False,
     answering: Answering,
-    why: Annotated[
-        bool, typer.Option("--why", help="Print the reasons before the answer, one a line.")
-    ] = False,
-    fail_on_abstain: Annotated[
-        bool, typer.Option("--fail-on-abstain", help="Exit with code 5 if the model will not say.")
-    ] = False,
+    why: bool = option("Print the reasons before the answer, one a line.", "--why", default=False),
+    fail_on_abstain: bool = option(
+        "Exit with code 5 if the model will not say.", "--fail-on-abstain", default=False
+    ),
     outputs: RerunOutput,
 ) -> None:
     """Answer a question about a clip.
@@ -48,11 +43,10 @@ def answer(
     answerer = answering.load()
     encoded = answerer.encode(clip, span=span)
     reply = answerer.ask(encoded, question, frame=frame)
-    for note in reply.notes:
-        print(f"note: {note}", file=sys.stderr)
+    print_notes(*reply.notes)
     reasons = answerer.why(encoded, reply) if why else None
     if reasons is not None:
-        print(f"note: the reasons are told {reasons.source}", file=sys.stderr)
+        print_notes(f"the reasons are told {reasons.source}")
     if as_json:
         more = {} if reasons is None else {"why": asdict(reasons)}
         print(json.dumps(reply.to_dict() | more))

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import json
-import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from geotlm_lm.cli.grouped import Answering, Pixels, Positional, grouped, touch_camera
 from geotlm_lm.cli.options import (
+    Answering,
     CameraName,
     ClusterAddress,
-    path_option,
+    Pixels,
+    argument,
+    grouped,
+    option,
     require_writable_file,
+    touch_camera,
 )
+from geotlm_lm.cli.progress import print_notes, progress_on_stderr
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.runs.run import Workers
 
@@ -36,23 +38,15 @@ ROW_FIELDS = {"clip", "question", "answer", "error"}
 @grouped
 def batch(
     *,
-    clips: Annotated[
-        Path,
-        Positional(
-            "--clips",
-            "FOLDER",
-            "Of recordings (files, folders of images, bags), or a LeRobot data set, each of whose "
-            "episodes is one.",
-        ),
-    ],
-    questions: Annotated[
-        Path, path_option(help="Text file, one question a line; # begins a comment.")
-    ],
-    out: Annotated[Path, path_option(help="Where the rows go, one JSON object a line.")],
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, help="Processes that answer. [default: one per usable core]"),
-    ] = None,
+    clips: Path = argument(
+        "FOLDER",
+        "Of recordings (files, folders of images, bags), or a LeRobot data set, each of whose "
+        "episodes is one.",
+        "--clips",
+    ),
+    questions: Path = option("Text file, one question a line; # begins a comment."),
+    out: Path = option("Where the rows go, one JSON object a line."),
+    workers: int | None = option("Processes that answer. [default: one per usable core]", min=1),
     cluster: ClusterAddress = None,
     pixels: Pixels,
     camera: CameraName = None,
@@ -84,7 +78,6 @@ def batch(
     # Imported only now: a wrong path must not wait for the model's libraries.
     from geotlm_lm.answering.batch import answer_all
     from geotlm_lm.answering.loaded import loaded
-    from geotlm_lm.cli.progress import progress_on_stderr
 
     result = answer_all(
         partial(loaded, answering.model),
@@ -96,7 +89,7 @@ def batch(
         progress=progress_on_stderr(),
     )
     if result.continued:
-        print(f"note: {result.continued} rows were there from a stopped run", file=sys.stderr)
+        print_notes(f"{result.continued} rows were there from a stopped run")
     print(f"{out}: {result.rows} rows, {result.errors} of them errors")
 
 
@@ -129,7 +122,7 @@ def _recordings(
     folder: Path, camera: str | None, questions: Path, out: Path, reading: dict[str, Any]
 ) -> list[Source]:
     """Return the recordings of a folder; name on stderr what gets no row, but the run's own."""
-    from geotlm_lm.recordings.listing import EXPECTED, StoredRecording, clips_in, skipped_in
+    from geotlm_lm.recordings.read import EXPECTED, StoredRecording, clips_in, skipped_in
 
     if camera is not None:
         raise UsageError(f"--camera is of a LeRobot data set, and {folder} is none; leave it out.")
@@ -140,7 +133,7 @@ def _recordings(
     if names:
         more = len(names) - NAMED
         listed = ", ".join(names[:NAMED]) + (f" and {more} more" if more > 0 else "")
-        print(f"note: skipped as no recording ({EXPECTED}): {listed}", file=sys.stderr)
+        print_notes(f"skipped as no recording ({EXPECTED}): {listed}")
     return [StoredRecording(path, reading) for path in paths]
 
 

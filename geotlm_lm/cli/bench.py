@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -15,16 +15,14 @@ from geotlm_lm.cli.options import (
     BundleFolder,
     ClusterAddress,
     DataSets,
-    EncoderHeads,
-    EncoderName,
-    EncoderWeights,
-    RealFolder,
+    Encoder,
     Seed,
-    path_option,
-    require_one_model,
+    command_line,
+    grouped,
+    option,
+    require_record_file,
     require_writable,
 )
-from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.runs.run import Workers
 
@@ -38,78 +36,82 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-Out = Annotated[
-    Path | None,
-    path_option(
-        "--out", help="Folder for the record, the page and the pictures. [default: only printed]"
-    ),
-]
-Quick = Annotated[
-    bool,
-    typer.Option("--quick", help="See in under two minutes that everything runs; proves nothing."),
-]
-Only = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--only",
-        help="Only this section; may be given again. The others are kept as recorded in --out.",
-    ),
-]
-Results = Annotated[Path, path_option(help="Folder of pages, records beside them.")]
-Readme = Annotated[Path, path_option("--readme", help="The file to fill.")]
+
+@dataclass(frozen=True)
+class Measuring:
+    """Options of every bench."""
+
+    real: Path | None = option("Folder of labelled recordings to add; see `evaluate`.")
+    out: Path | None = option(
+        "Folder for the record, the page and the pictures. [default: only printed]"
+    )
+    quick: bool = option(
+        "See in under two minutes that everything runs; proves nothing.", "--quick", default=False
+    )
+    only: list[str] | None = option(
+        "Only this section; may be given again. The others are kept as recorded in --out."
+    )
+    seed: Seed = 0
+    model: BundleFolder = None
+    as_json: AsJson = False
+
+    def run(self, name: str, **more: object) -> None:
+        """Run a bench; print its tables, and write them where that is asked for."""
+        from geotlm_lm.benchmarks.benches import BENCHES, run_bench
+        from geotlm_lm.benchmarks.harness import Run
+        from geotlm_lm.benchmarks.rendering import page, save_results
+        from geotlm_lm.cli.progress import progress_on_stderr
+
+        if self.real is not None and not self.real.is_dir():
+            raise UsageError(
+                f"--real: {self.real} is no folder, expected one of labelled recordings."
+            )
+        options = {"real": self.real, "is_quick": self.quick, "seed": self.seed}
+        run = Run(**options, model=self.model, progress=progress_on_stderr(""), **more)
+        bench = BENCHES[name]
+        before = None if self.out is None else _earlier(bench, run, self.out)
+        record = run_bench(bench, run, only=self.only or (), command=command_line(), before=before)
+        if self.out is not None:
+            save_results(bench, record, self.out)
+        typer.echo(page(bench, record), nl=False)
+        if self.as_json:
+            typer.echo(json.dumps(asdict(record)))
 
 
 @app.command(epilog="Example: geotlm-lm bench accuracy --quick")
+@grouped
 def accuracy(
-    real: RealFolder = None,
-    out: Out = None,
-    quick: Quick = False,
-    only: Only = None,
+    *,
+    measuring: Measuring,
     data: DataSets = None,
-    weights: EncoderWeights = None,
-    encoder: EncoderName = None,
-    heads: EncoderHeads = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            min=1, help="Processes that share the sections. [default: 1, or as many as a cluster's]"
-        ),
-    ] = None,
+    encoder: Encoder,
+    workers: int | None = option(
+        "Processes that share the sections. [default: 1, or as many as a cluster's]", min=1
+    ),
     cluster: ClusterAddress = None,
-    seed: Seed = 0,
-    model: BundleFolder = None,
-    as_json: AsJson = False,
 ) -> None:
     """Hold the words against linear probes and two classical rivals; run the paper's protocols.
 
     With --weights, a released encoder takes the embedded one's place in the protocols. Workers
     change no number but times.
     """
-    require_one_model(model, weights, encoder, heads)
+    encoder.require_alone(measuring.model)
     from geotlm_lm.benchmarks.harness import EncoderFile
 
-    given = None if weights is None else EncoderFile(weights, encoder, heads)
+    weights = encoder.weights
+    given = None if weights is None else EncoderFile(weights, encoder.encoder, encoder.heads)
     by = Workers(1 if workers is None and cluster is None else workers, cluster)
-    run = _run(real, quick, seed, model, data=tuple(data or ()), encoder=given, workers=by)
-    _measure("accuracy", run, only, out, as_json=as_json)
+    measuring.run("accuracy", data=tuple(data or ()), encoder=given, workers=by)
 
 
 def _command(name: str, about: str) -> Callable[..., None]:
     """Return the command of a bench that takes no options of its own."""
 
-    def command(
-        real: RealFolder = None,
-        out: Out = None,
-        quick: Quick = False,
-        only: Only = None,
-        seed: Seed = 0,
-        model: BundleFolder = None,
-        as_json: AsJson = False,
-    ) -> None:
-        _measure(name, _run(real, quick, seed, model), only, out, as_json=as_json)
+    def command(*, measuring: Measuring) -> None:
+        measuring.run(name)
 
     command.__doc__ = about
-    return command
+    return grouped(command)
 
 
 for bench_name, bench_about in {
@@ -123,13 +125,14 @@ for bench_name, bench_about in {
 
 
 @app.command(epilog="Example: geotlm-lm bench render --check")
+@grouped
 def render(
-    check: Annotated[
-        bool, typer.Option("--check", help="Change nothing; fail if a number is out of date.")
-    ] = False,
-    figures: Annotated[bool, typer.Option("--figures", help="Draw the pictures anew too.")] = False,
-    results: Results = Path("docs/results"),
-    readme: Readme = Path("README.md"),
+    check: bool = option(
+        "Change nothing; fail if a number is out of date.", "--check", default=False
+    ),
+    figures: bool = option("Draw the pictures anew too.", "--figures", default=False),
+    results: Path = option("Folder of pages, records beside them.", default=Path("docs/results")),
+    readme: Path = option("The file to fill.", default=Path("README.md")),
 ) -> None:
     """Write pages and the README's numbers from the recorded runs."""
     from geotlm_lm.benchmarks import rendering
@@ -144,33 +147,6 @@ def render(
         rendering.redraw_figures(benches, results)
     changed = rendering.render_results(benches, results, readme)
     typer.echo(f"{len(changed)} files changed.")
-
-
-def _run(real: Path | None, quick: bool, seed: int, model: Path | None, **more: object) -> Run:
-    from geotlm_lm.benchmarks.harness import Run
-    from geotlm_lm.cli.progress import progress_on_stderr
-
-    if real is not None and not real.is_dir():
-        raise UsageError(f"--real: {real} is no folder, expected one of labelled recordings.")
-    options = {"real": real, "is_quick": quick, "seed": seed, "model": model}
-    return Run(**options, progress=progress_on_stderr(""), **more)
-
-
-def _measure(
-    name: str, run: Run, only: list[str] | None, out: Path | None, *, as_json: bool
-) -> None:
-    """Run a bench; print its tables, and write them where that is asked for."""
-    from geotlm_lm.benchmarks.benches import BENCHES, run_bench
-    from geotlm_lm.benchmarks.rendering import page, save_results
-
-    bench = BENCHES[name]
-    before = None if out is None else _earlier(bench, run, out)
-    record = run_bench(bench, run, only=only or (), command=command_line(), before=before)
-    if out is not None:
-        save_results(bench, record, out)
-    typer.echo(page(bench, record), nl=False)
-    if as_json:
-        typer.echo(json.dumps(asdict(record)))
 
 
 def _earlier(bench: Bench, run: Run, out: Path) -> RunRecord | None:

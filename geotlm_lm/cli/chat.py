@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from geotlm_lm.cli.grouped import Answering, Reading, Recording, grouped
+from geotlm_lm.cli.options import Answering, Reading, Recording, grouped
+from geotlm_lm.cli.progress import print_notes
 from geotlm_lm.core.errors import GeoTLMError, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 
@@ -55,7 +57,7 @@ class Conversation:
         self.answerer, self._reading = answerer, reading
         self.session: Session = answerer.session(encoded, frame)
         self.is_json = False
-        self._print_notes(encoded.clip.notes)
+        print_notes(*encoded.clip.notes)
 
     def run(self) -> None:
         """Answer line after line until /quit or the end of the input."""
@@ -74,32 +76,43 @@ class Conversation:
         command, _, rest = _WITHOUT_STROKE.get(line.lower().rstrip("!. "), line).partition(" ")
         if command == "/quit":
             return False
-        actions = {
-            "/help": lambda _: print(HELP),
-            "/clip": self._clip,
-            "/frame": self._frame,
-            "/why": self._why,
-            "/evidence": self._evidence,
-            "/history": self._history,
-            "/json": self._json,
-        }
         try:
-            if command in actions:
-                actions[command](rest.strip())
-            elif command.startswith("/"):
-                known = ", ".join([*actions, "/quit"])
-                print(f"there is no {command}; the commands are {known}.", file=sys.stderr)
-            elif line:
-                self._ask(line)
+            self._act(command, rest.strip(), line)
         except GeoTLMError as error:
             # A mistake in one line must not end the conversation.
             print(str(error), file=sys.stderr)
         sys.stdout.flush()
         return True
 
-    def _ask(self, question: str) -> None:
-        reply = self.session.ask(question)
-        print(json.dumps(reply.to_dict()) if self.is_json else reply.text)
+    def _act(self, command: str, rest: str, line: str) -> None:
+        match command:
+            case "":
+                pass
+            case "/help":
+                print(HELP)
+            case "/clip":
+                self._clip(rest)
+            case "/frame":
+                self._frame(rest)
+            case "/why":
+                self._why()
+            case "/evidence":
+                from geotlm_lm.answering.evidence_of import regions_of
+
+                print(json.dumps(regions_of(self.session.encoded)))
+            case "/history":
+                for turn in self.session.history:
+                    print(f"{PROMPT}{turn.question}\n{turn.answer.text}")
+            case "/json":
+                self.is_json = not self.is_json
+                words = "in JSON" if self.is_json else "in words"
+                print(f"answers {words}", file=sys.stderr)
+            case _ if command.startswith("/"):
+                known = ", ".join(re.findall("^/[a-z]+", HELP, re.MULTILINE))
+                print(f"there is no {command}; the commands are /help, {known}.", file=sys.stderr)
+            case _:
+                reply = self.session.ask(line)
+                print(json.dumps(reply.to_dict()) if self.is_json else reply.text)
 
     def _clip(self, path: str) -> None:
         if not path:
@@ -109,7 +122,7 @@ class Conversation:
 
         encoded = self.answerer.encode(read_clip(Path(path), **vars(self._reading)))
         self.session.add_clip(encoded)
-        self._print_notes(encoded.clip.notes)
+        print_notes(*encoded.clip.notes)
         print(f"Looking at {path}; {len(self.session.clips)} clips are open.")
 
     def _frame(self, facts: str) -> None:
@@ -135,7 +148,7 @@ class Conversation:
         columns = self.session.encoded.clip.frames.shape[2]
         return with_facts(self.session.frame, understood.program.facts, columns)
 
-    def _why(self, _: str) -> None:
+    def _why(self) -> None:
         last = self.session.last
         turn = next((turn for turn in self.session.history if turn.answer is last), None)
         if getattr(last, "evidence", None) is None:
@@ -145,21 +158,4 @@ class Conversation:
         if turn.encoded is not self.session.encoded:
             print("Of the clip before:")
         print("\n".join(reasons.steps))
-        print(f"note: told {reasons.source}", file=sys.stderr)
-
-    def _evidence(self, _: str) -> None:
-        from geotlm_lm.answering.evidence_of import regions_of
-
-        print(json.dumps(regions_of(self.session.encoded)))
-
-    def _history(self, _: str) -> None:
-        for turn in self.session.history:
-            print(f"{PROMPT}{turn.question}\n{turn.answer.text}")
-
-    def _json(self, _: str) -> None:
-        self.is_json = not self.is_json
-        print("answers in JSON" if self.is_json else "answers in words", file=sys.stderr)
-
-    def _print_notes(self, notes: tuple[str, ...]) -> None:
-        for note in notes:
-            print(f"note: {note}", file=sys.stderr)
+        print_notes(f"told {reasons.source}")

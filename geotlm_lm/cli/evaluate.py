@@ -6,62 +6,47 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
 import typer
 
-from geotlm_lm.cli.grouped import Encoder, grouped
 from geotlm_lm.cli.options import (
     BundleFolder,
     DataSets,
+    Encoder,
     Seed,
-    path_option,
-    require_one_model,
+    command_line,
+    grouped,
+    option,
+    require_record_file,
     require_writable,
 )
 from geotlm_lm.cli.progress import progress_on_stderr
-from geotlm_lm.cli.recorded import command_line, require_record_file
 from geotlm_lm.core.errors import BelowMinimum, UsageError
 
 
 @grouped
 def evaluate(
     *,
-    real: Annotated[
-        Path | None,
-        path_option(help="Folder of labelled recordings (clips and a CSV of windows) to add."),
-    ] = None,
+    real: Path | None = option(
+        "Folder of labelled recordings (clips and a CSV of windows) to add."
+    ),
     data: DataSets = None,
-    clips: Annotated[
-        int, typer.Option(min=0, help="Simulated clips per task; 0 leaves simulation out.")
-    ] = 120,
+    clips: int = option("Simulated clips per task; 0 leaves simulation out.", default=120, min=0),
     seed: Seed = 0,
     model: BundleFolder = None,
-    out: Annotated[Path | None, path_option(help="Write the record here, as JSON.")] = None,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="End with the record as one line of JSON.")
-    ] = False,
-    min_accuracy: Annotated[
-        float | None,
-        typer.Option(
-            min=0, max=1, help="Exit 6 if the model's own words fall below this in any table."
-        ),
-    ] = None,
+    out: Path | None = option("Write the record here, as JSON."),
+    as_json: bool = option("End with the record as one line of JSON.", "--json", default=False),
+    min_accuracy: float | None = option(
+        "Exit 6 if the model's own words fall below this in any table.", min=0, max=1
+    ),
     encoder: Encoder,
-    run_folder: Annotated[
-        Path | None,
-        path_option(
-            help="With --weights: tokens and heads are kept here, to continue from. [default: "
-            "runs/encoder]"
-        ),
-    ] = None,
-    preset: Annotated[
-        str | None,
-        typer.Option(
-            help="With --weights: smoke or default, how long the encoder's heads learn. [default: "
-            "default]"
-        ),
-    ] = None,
+    run_folder: Path | None = option(
+        "With --weights: tokens and heads are kept here, to continue from. [default: runs/encoder]"
+    ),
+    preset: str | None = option(
+        "With --weights: smoke or default, how long the encoder's heads learn. [default: default]"
+    ),
 ) -> None:
     """Judge the model on clips it has never seen, beside linear probes, optical flow and alignment.
 
@@ -71,7 +56,7 @@ def evaluate(
     if clips == 0 and real is None and not data:
         raise UsageError("nothing to judge: give --clips above 0, --real with a folder, or --data.")
     weights = encoder.weights
-    require_one_model(model, weights, encoder.encoder, encoder.heads)
+    encoder.require_alone(model)
     if weights is None and (preset is not None or run_folder is not None):
         raise UsageError("--preset and --run-folder need --weights with the encoder's file.")
     if out is not None:

@@ -5,12 +5,18 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from geotlm_lm.cli.grouped import Encoder, Reading, Recording, grouped
-from geotlm_lm.cli.options import AsJson, BundleFolder, path_of
+from geotlm_lm.cli.options import (
+    AsJson,
+    BundleFolder,
+    Encoder,
+    Reading,
+    Recording,
+    argument,
+    grouped,
+    path_of,
+)
 from geotlm_lm.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -109,13 +115,9 @@ def _words(value: Any) -> str:
 @grouped
 def doctor(
     *,
-    source: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="SOURCE",
-            help="A recording, a camera's number or its device file. [default: the installation]",
-        ),
-    ] = None,
+    source: str | None = argument(
+        "SOURCE", "A recording, a camera's number or its device file. [default: the installation]"
+    ),
     as_json: AsJson = False,
     reading: Reading,
     model: BundleFolder = None,

@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from geotlm_lm.cli.grouped import Answering, grouped
 from geotlm_lm.cli.options import (
+    Answering,
     ClusterAddress,
     SquarePixels,
-    path_of,
-    path_option,
+    argument,
+    grouped,
+    option,
     require_writable,
 )
+from geotlm_lm.cli.progress import print_notes, progress_on_stderr
 from geotlm_lm.runs.run import Workers
 
 REFUSED_TOLD = 5
@@ -25,22 +23,10 @@ REFUSED_TOLD = 5
 @grouped
 def label(
     *,
-    data_set: Annotated[
-        Path,
-        typer.Argument(
-            parser=path_of, metavar="DATASET", help="Folder of a LeRobot data set, version 3."
-        ),
-    ],
-    camera: Annotated[
-        str, typer.Option(help="The touch sensor's feature, as observation.images.tactile.")
-    ],
-    out: Annotated[
-        Path, path_option(help="Folder of the new data set; a stopped run is continued.")
-    ],
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, help="Processes that track. [default: one per usable core]"),
-    ] = None,
+    data_set: Path = argument("DATASET", "Folder of a LeRobot data set, version 3."),
+    camera: str = option("The touch sensor's feature, as observation.images.tactile."),
+    out: Path = option("Folder of the new data set; a stopped run is continued."),
+    workers: int | None = option("Processes that track. [default: one per usable core]", min=1),
     cluster: ClusterAddress = None,
     square_pixels: SquarePixels = None,
     answering: Answering,
@@ -61,15 +47,14 @@ def label(
     require_writable(out.parent, "--out")
 
     # Imported only now: a wrong path must not wait for the model's libraries.
-    from geotlm_lm.cli.progress import progress_on_stderr
     from geotlm_lm.data_sets.labelling import Labelling, label_data_set
 
     labelling = Labelling(data_set, camera, answering.model, square_pixels, scale)
     result = label_data_set(labelling, out, workers=by, progress=progress_on_stderr("episodes"))
     if result.continued:
-        print(f"note: {result.continued} episodes were there from a stopped run", file=sys.stderr)
+        print_notes(f"{result.continued} episodes were there from a stopped run")
     for index, why in list(result.refused.items())[:REFUSED_TOLD]:
-        print(f"note: episode {index} has no labels: {why}", file=sys.stderr)
+        print_notes(f"episode {index} has no labels: {why}")
     if len(result.refused) > REFUSED_TOLD:
-        print(f"note: {len(result.refused)} episodes in all have no labels", file=sys.stderr)
+        print_notes(f"{len(result.refused)} episodes in all have no labels")
     print(f"{out}: {result.episodes} episodes, {result.frames} frames, {result.events} events")

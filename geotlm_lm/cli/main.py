@@ -25,9 +25,8 @@ from geotlm_lm.cli.evaluate import evaluate
 from geotlm_lm.cli.info import doctor, info
 from geotlm_lm.cli.label import label
 from geotlm_lm.cli.manifest import manifest
-from geotlm_lm.cli.options import path_option
-from geotlm_lm.cli.simulate import ForwardsClip, simulate
-from geotlm_lm.cli.simulate_clip import simulate_clip
+from geotlm_lm.cli.options import grouped, option
+from geotlm_lm.cli.simulate import ForwardsClip, simulate, simulate_clip
 from geotlm_lm.cli.track import INTERRUPTED, track
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch
@@ -63,18 +62,13 @@ app.add_typer(bench, name="bench")
 
 
 @app.command(name="app")
+@grouped
 def serve(
-    port: Annotated[
-        int | None,
-        typer.Option(min=1, max=65535, help="To listen on. [default: a free one from 7860 on]"),
-    ] = None,
-    mcp: Annotated[
-        bool, typer.Option("--mcp", help="Serve agents too, over MCP. Needs the extra mcp.")
-    ] = False,
-    recordings: Annotated[
-        Path | None,
-        path_option(help="Folder of recordings that programs and agents may name; only read."),
-    ] = None,
+    port: int | None = option("To listen on. [default: a free one from 7860 on]", min=1, max=65535),
+    mcp: bool = option("Serve agents too, over MCP. Needs the extra mcp.", "--mcp", default=False),
+    recordings: Path | None = option(
+        "Folder of recordings that programs and agents may name; only read."
+    ),
 ) -> None:
     """Serve a page to look at clips and ask about them, on this machine only (127.0.0.1).
 

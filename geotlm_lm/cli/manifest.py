@@ -4,49 +4,33 @@ from __future__ import annotations
 
 from collections import Counter
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from geotlm_lm.cli.options import Force, path_option, require_new_file
+from geotlm_lm.cli.options import Force, grouped, option, require_new_file
 from geotlm_lm.core.errors import UsageError
 
-Root = Annotated[Path, path_option(help="Folder of the data set, pictures anywhere in it.")]
-Pattern = Annotated[
-    str,
-    typer.Option(
-        help="Regular expression over paths below --root with the named groups object, action "
-        "and, where there are such, sensor, trial and frame."
-    ),
-]
-Out = Annotated[Path, path_option(help="The manifest to write, .csv or .jsonl.")]
-BackgroundFrame = Annotated[
-    str | None,
-    typer.Option(
-        metavar="NAME",
-        help="What the frame group says of the untouched gel's picture, if one lies among a "
-        "clip's frames.",
-    ),
-]
-Meanings = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="WORD=ACTION",
-        help="What a word in the paths means: rotate_cw, rotate_ccw, slide_left, slide_right, "
-        "slide_up or slide_down; may be given again.",
-    ),
-]
-Rate = Annotated[float | None, typer.Option(min=0.01, help="Frames per second. [default: unknown]")]
 
-
+@grouped
 def manifest(
-    root: Root,
-    pattern: Pattern,
-    out: Out,
-    background_frame: BackgroundFrame = None,
-    action: Meanings = None,
+    root: Path = option("Folder of the data set, pictures anywhere in it."),
+    pattern: str = option(
+        "Regular expression over paths below --root with the named groups object, action and, "
+        "where there are such, sensor, trial and frame.",
+    ),
+    out: Path = option("The manifest to write, .csv or .jsonl."),
+    background_frame: str | None = option(
+        "What the frame group says of the untouched gel's picture, if one lies among a clip's "
+        "frames.",
+        metavar="NAME",
+    ),
+    action: list[str] | None = option(
+        "What a word in the paths means: rotate_cw, rotate_ccw, slide_left, slide_right, slide_up "
+        "or slide_down; may be given again.",
+        metavar="WORD=ACTION",
+    ),
     force: Force = False,
-    fps: Rate = None,
+    fps: float | None = option("Frames per second. [default: unknown]", min=0.01),
 ) -> None:
     """Gather pictures into clips by their names, for `geotlm-lm evaluate --data`.
 

@@ -28,6 +28,12 @@ def progress_on_stderr(unit: str = "clips") -> Progress:
     return ProgressBars(sys.stderr) if sys.stderr.isatty() else ProgressLines(unit)
 
 
+def print_notes(*notes: str) -> None:
+    """Print to stderr what was guessed or passed over, a line each."""
+    for note in notes:
+        print(f"note: {note}", file=sys.stderr, flush=True)
+
+
 class ProgressLines:
     """Lines for a file or a pipe: at most one every `REPORT_EVERY_S`, and one at each end.
 

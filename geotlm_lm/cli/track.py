@@ -6,15 +6,21 @@ What `watch` prints and writes of a track is here as well.
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from geotlm_lm.cli.grouped import AllOutputs, Answering, Recording, TrackOutputs, grouped
-from geotlm_lm.cli.progress import progress_on_stderr
-from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.options import (
+    AllOutputs,
+    Answering,
+    Recording,
+    TrackOutputs,
+    command_line,
+    grouped,
+    option,
+)
+from geotlm_lm.cli.progress import print_notes, progress_on_stderr
 from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -38,9 +44,7 @@ WIDTHS = (21, 8, 14, 4)
 def track(
     *,
     recording: Recording,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print events and totals as one JSON object.")
-    ] = False,
+    as_json: bool = option("Print events and totals as one JSON object.", "--json", default=False),
     outputs: AllOutputs,
     answering: Answering,
 ) -> None:
@@ -70,8 +74,7 @@ def track(
     write_table_and_plot(outputs, exported, clip.name, clip.fps, in_frames=in_frames)
     if outputs.video is not None:
         _write_film(outputs.video, exported, clip, again)
-    for note in (*clip.notes, *tracked.notes):
-        print(f"note: {note}", file=sys.stderr)
+    print_notes(*clip.notes, *tracked.notes)
     if as_json:
         print(json.dumps(exported.to_dict()))
     elif not tracked.events:
@@ -84,7 +87,7 @@ def track(
 
         write_or_serve(outputs.rerun, lambda path: _log(path, exported, clip, again))
     if is_stopped:
-        print(f"note: Tracked as far as frame {tracked.numbers[-1]}.", file=sys.stderr)
+        print_notes(f"Tracked as far as frame {tracked.numbers[-1]}.")
         raise typer.Exit(INTERRUPTED)
 
 
@@ -130,14 +133,14 @@ def write_table_and_plot(
         made_by = {"command": command_line(), "recording": name, "fps": fps}
         exported.save(outputs.out, made_by)
     if outputs.plot is not None:
-        from geotlm_lm.track.plot import write_plot
+        from geotlm_lm.track.drawing import write_plot
 
         write_plot(outputs.plot, exported, in_frames=in_frames)
 
 
 def _write_film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:
     from geotlm_lm.recordings.read import each_frame
-    from geotlm_lm.track.film import write_film
+    from geotlm_lm.track.drawing import write_film
     from geotlm_lm.track.tracker import ASSUMED_FPS
 
     first, second = exported.track.numbers[:2]

@@ -4,42 +4,33 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from geotlm_lm.cli.options import Seed, path_option, require_writable
+from geotlm_lm.cli.options import Seed, grouped, option, require_writable
 from geotlm_lm.cli.progress import progress_on_stderr
 from geotlm_lm.core.files import training_templates
 
 
+@grouped
 def train(
-    out: Annotated[Path, path_option(help="Run folder; an interrupted run in it is continued.")],
-    preset: Annotated[
-        str,
-        typer.Option(
-            help="smoke (minutes, to see it run), default, or full (with a larger language "
-            "model: twenty minutes of a GPU more)."
-        ),
-    ] = "default",
+    out: Path = option("Run folder; an interrupted run in it is continued."),
+    preset: str = option(
+        "smoke (minutes, to see it run), default, or full (with a larger language model: twenty "
+        "minutes of a GPU more).",
+        default="default",
+    ),
     seed: Seed = 0,
-    workers: Annotated[
-        int, typer.Option(min=1, help="Processes that simulate, and that draw questions for a GPU.")
-    ] = 2,
-    device: Annotated[
-        str | None, typer.Option(help="cpu or cuda; cuda where there is one if not given.")
-    ] = None,
-    start: Annotated[
-        Path | None,
-        path_option(help="Bundle that is taken as it is up to --stage, and made anew from there."),
-    ] = None,
-    stage: Annotated[
-        str,
-        typer.Option(
-            help="What is made anew of it: language, or of that only slots (what is felt, and "
-            "sentences) or sentences."
-        ),
-    ] = "language",
+    workers: int = option(
+        "Processes that simulate, and that draw questions for a GPU.", default=2, min=1
+    ),
+    device: str | None = option("cpu or cuda; cuda where there is one if not given."),
+    start: Path | None = option(
+        "Bundle that is taken as it is up to --stage, and made anew from there."
+    ),
+    stage: str = option(
+        "What is made anew of it: language, or of that only slots (what is felt, and sentences) "
+        "or sentences.",
+        default="language",
+    ),
 ) -> None:
     """Train a model bundle; its folder is printed at the end, progress goes to stderr.
 

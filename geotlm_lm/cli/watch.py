@@ -1,22 +1,35 @@
-"""`geotlm-lm watch`: what happens at a sensor, or in a recording played, as it happens."""
+"""`geotlm-lm watch`: what happens at a sensor, or in a recording played, as it happens.
+
+Conditions that it waits for, and what is done when one holds, are here as well.
+"""
 
 from __future__ import annotations
 
 import json
 import math
-import sys
+import shlex
+import shutil
+import subprocess
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, nullcontext
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from geotlm_lm.cli.conditions import Conditions, Waiting
-from geotlm_lm.cli.grouped import Answering, Pixels, Positional, TrackOutputs, grouped
-from geotlm_lm.cli.options import path_of
+from geotlm_lm.cli.options import (
+    Answering,
+    Pixels,
+    TrackOutputs,
+    argument,
+    grouped,
+    option,
+    path_of,
+)
+from geotlm_lm.cli.progress import print_notes
 from geotlm_lm.cli.track import (
     HEAD,
     INTERRUPTED,
@@ -26,12 +39,21 @@ from geotlm_lm.cli.track import (
     totals_lines,
     write_table_and_plot,
 )
-from geotlm_lm.core.errors import GeoTLMError, UnreadableClip, UsageError, check_question
+from geotlm_lm.core.errors import (
+    GeoTLMError,
+    NotReached,
+    TimedOut,
+    UnreadableClip,
+    UsageError,
+    check_question,
+)
 from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer
+    from geotlm_lm.answering.monitor import Monitor, Verdict
     from geotlm_lm.core.clip import Frames
+    from geotlm_lm.core.frame_spec import FrameSpec
     from geotlm_lm.recordings.streams import StreamFrame
     from geotlm_lm.track.events import Event
     from geotlm_lm.track.export import Exported, Units
@@ -41,32 +63,91 @@ KEPT_FRAMES, APART_S, JITTER_S = 64, 0.08, 0.002
 they reach back over 5 s; one that is a little early still counts as on time."""
 
 
+@dataclass(frozen=True)
+class Conditions:
+    """What is waited for."""
+
+    until: list[str] | None = option(
+        "End with exit code 0 once this holds: 'it has turned 30 degrees clockwise', 'it slips by "
+        "more than 0.5 mm', 'contact is lost'. Of several the first ends it."
+    )
+    while_: list[str] | None = option("End with exit code 0 once this holds no more.", "--while")
+    every: list[str] | None = option(
+        "Print each time that this begins to hold, counted from the last time."
+    )
+    run: str | None = option(
+        "Start this each time that --every holds, without a shell; it reads the verdict as JSON "
+        "from its input.",
+        metavar="COMMAND",
+    )
+    sure: float = option("Probability with which a condition has to hold.", default=0.95)
+    lasting: float = option("Seconds for which it has to hold.", "--for", default=0.0)
+    timeout: float | None = option(
+        "Seconds of the stream after which --until ends with exit code 8."
+    )
+
+    @property
+    def is_any(self) -> bool:
+        """Whether anything is waited for."""
+        return bool(self.until or self.while_ or self.every)
+
+    @property
+    def is_ending(self) -> bool:
+        """Whether the command ends once something holds."""
+        return bool(self.until or self.while_)
+
+    def require(self) -> None:
+        """Refuse options that do not go together, and a command that is not there.
+
+        Raises:
+            UsageError: Then.
+        """
+        if self.run is not None and not self.every:
+            raise UsageError("--run starts a command whenever --every holds; give --every as well.")
+        if self.timeout is not None and not self.is_ending:
+            raise UsageError("--timeout ends --until and --while; give one of them as well.")
+        if self.timeout is not None and not self.timeout > 0:
+            raise UsageError(f"--timeout {self.timeout:g} was given, expected more than 0 seconds.")
+        if self.run is not None and not shutil.which(self.command[0]):
+            raise UsageError(
+                f"--run: there is no program '{self.command[0]}' to be started; give its path."
+            )
+
+    @property
+    def command(self) -> list[str]:
+        """The words of --run.
+
+        Raises:
+            UsageError: If a quotation mark is left open, or there is none.
+        """
+        try:
+            words = shlex.split(self.run or "")
+        except ValueError as error:
+            raise UsageError(f"--run '{self.run}' cannot be split into words: {error}.") from error
+        if not words:
+            raise UsageError("--run was given no command.")
+        return words
+
+
 @grouped
 def watch(
     *,
-    source: Annotated[
-        str, Positional("--source", "SOURCE", "A camera's number, its device file, or a recording.")
-    ],
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object a line, the account last.")
-    ] = False,
+    source: str = argument(
+        "SOURCE", "A camera's number, its device file, or a recording.", "--source"
+    ),
+    as_json: bool = option(
+        "Print one JSON object a line, the account last.", "--json", default=False
+    ),
     outputs: TrackOutputs,
-    question: Annotated[
-        str | None,
-        typer.Option("--q", help="Ask this about every motion that ends."),
-    ] = None,
-    at_its_rate: Annotated[
-        bool,
-        typer.Option("--at-its-rate", help="Play a recording as a camera would, dropping frames."),
-    ] = False,
+    question: str | None = option("Ask this about every motion that ends.", "--q"),
+    at_its_rate: bool = option(
+        "Play a recording as a camera would, dropping frames.", "--at-its-rate", default=False
+    ),
     conditions: Conditions,
     pixels: Pixels,
-    stalled_after: Annotated[
-        float,
-        typer.Option(
-            help="Seconds without a frame of a camera after which it ends, with exit code 10."
-        ),
-    ] = 10.0,
+    stalled_after: float = option(
+        "Seconds without a frame of a camera after which it ends, with exit code 10.", default=10.0
+    ),
     answering: Answering,
 ) -> None:
     """Print what touches when and how it moves, until the recording ends or Ctrl-C.
@@ -96,12 +177,12 @@ def watch(
     from geotlm_lm.recordings.streams import Patience, open_source
 
     def silent(seconds: float) -> None:
-        print(f"note: No frame of {source} for {seconds:g} s.", file=sys.stderr, flush=True)
+        print_notes(f"No frame of {source} for {seconds:g} s.")
 
     scale, patience = answering.frame.mm_per_px, Patience(stalled_after, silent)
     waiting = None
     if conditions.is_any:  # what is not understood is refused before a camera opens
-        waiting = conditions.monitors(answering.load(), answering.frame)
+        waiting = Waiting(conditions, answering.load(), answering.frame)
     stream = open_source(source, at_its_rate=at_its_rate, patience=patience, **vars(pixels))
 
     # Imported only now: a camera that does not open must not wait for the model's libraries.
@@ -110,8 +191,7 @@ def watch(
     answerer = answering.load() if waiting is None else waiting.answerer
     assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
     rate = f"{source} at {stream.fps:g} frames per second{assumed}."
-    for note in (rate, *stream.notes, *(() if waiting is None else waiting.notes())):
-        print(f"note: {note}", file=sys.stderr)
+    print_notes(rate, *stream.notes, *(() if waiting is None else waiting.notes()))
     watching = Watching(answerer, stream, question, scale, as_json=as_json, waiting=waiting)
     ended = watching.follow(outputs.video, is_square=bool(pixels.square_pixels))
     exported = Exported(watching.tracker.finish(), scale)
@@ -164,8 +244,8 @@ class Watching:
             is_square: Whether the camera's picture is square where its frames are of 224 x 224.
         """
         from geotlm_lm.recordings.pixels import with_square_pixels
+        from geotlm_lm.track.drawing import filming
         from geotlm_lm.track.export import Units
-        from geotlm_lm.track.film import filming
 
         film = nullcontext() if video is None else filming(video, self._stream.fps)
         # Closed even where nobody reads on: a camera's thread must not outlive the command.
@@ -208,13 +288,12 @@ class Watching:
         print("\n".join(lines), flush=True)
         lost = f"{dropped} dropped" if dropped else "none dropped"
         account = f"{frames} frames, {lost}; each tracked in {frame_ms:.1f} ms."
-        for note in (*exported.track.notes, account):
-            print(f"note: {note}", file=sys.stderr)
+        print_notes(*exported.track.notes, account)
 
     def _take(self, image: Frames, frame: StreamFrame) -> list[Event]:
         stuck = self._stuck and self._stuck.after(image, frame.time_s)
         if stuck:
-            print(f"note: {stuck}", file=sys.stderr, flush=True)
+            print_notes(stuck)
         started = time.perf_counter()
         events = self.tracker.feed(image, frame.time_s, frame.number)
         self._busy_s += time.perf_counter() - started
@@ -232,8 +311,7 @@ class Watching:
         units: Units,
         write: Callable[[Frames], None],
     ) -> None:
-        from geotlm_lm.track.drawing import CAPTION_S, band_of, mark_of
-        from geotlm_lm.track.film import draw_mark
+        from geotlm_lm.track.drawing import CAPTION_S, band_of, draw_mark, mark_of
 
         if events or time_s - self._shown_s > CAPTION_S:
             self._shown, self._shown_s = events, time_s
@@ -271,3 +349,105 @@ class Watching:
             return self._answerer.ask(self._answerer.encode(clip, track=part), self._question).text
         except UnreadableClip as error:
             return f"I cannot read this motion's frames: {error}"
+
+
+class Waiting:
+    """Looks at every frame whether what is waited for holds; conditions are understood first.
+
+    Raises:
+        UsageError: If a condition is refused.
+    """
+
+    def __init__(self, conditions: Conditions, answerer: Answerer, frame: FrameSpec) -> None:
+        from geotlm_lm.answering.monitor import Monitor
+
+        self.answerer, self.tracker = answerer, answerer.tracker()
+        how = {"sure": conditions.sure, "lasting_s": conditions.lasting}
+
+        def monitors(texts: list[str] | None, *, is_negated: bool = False, **more: Any) -> list:
+            read = (answerer.condition(t, frame=frame, is_negated=is_negated) for t in texts or ())
+            return [Monitor(self.tracker, condition, **how, **more) for condition in read]
+
+        self._ending = [
+            *monitors(conditions.until),
+            *monitors(conditions.while_, is_negated=True),
+        ]
+        self._repeated = monitors(conditions.every, since="last")
+        self._command = conditions.command if conditions.run else []
+        self._timeout_s = math.inf if conditions.timeout is None else conditions.timeout
+        self._started: list[subprocess.Popen] = []
+        self._begin_s: float | None = None
+        self.is_met = False
+
+    def notes(self) -> Iterator[str]:
+        """Yield how each condition was read."""
+        for monitor in self._ending:
+            yield f"Waiting until {monitor.condition.restated}."
+        for monitor in self._repeated:
+            yield f"Telling each time that {monitor.condition.restated}."
+
+    def look(self, time_s: float, number: int, *, as_json: bool) -> bool:
+        """Judge the frame that was tracked last; return whether waiting is over.
+
+        Raises:
+            TimedOut: If it took too long.
+        """
+        self._begin_s = time_s if self._begin_s is None else self._begin_s
+        for monitor in (*self._ending, *self._repeated):
+            verdict = monitor.judged(time_s, number)
+            if verdict.is_new:
+                _print_verdict(monitor, verdict, as_json=as_json)
+                if monitor in self._repeated:
+                    self._start(monitor, verdict)
+                self.is_met |= monitor in self._ending
+        if self.is_met:
+            return True
+        if time_s - self._begin_s > self._timeout_s:
+            raise TimedOut(
+                f"{self._unmet()} did not hold within {self._timeout_s:g} s; wait longer by "
+                f"--timeout, or look at what was seen by leaving --until out."
+            )
+        return False
+
+    def require_met(self) -> None:
+        """Refuse that the stream ended before what should end it.
+
+        Raises:
+            NotReached: Then.
+        """
+        for each in self._started:
+            each.wait()
+        if self._ending and not self.is_met:
+            raise NotReached(f"{self._unmet()} did not hold before the recording ended.")
+
+    def _unmet(self) -> str:
+        return "That " + ", or that ".join(each.condition.restated for each in self._ending)
+
+    def _start(self, monitor: Monitor, verdict: Verdict) -> None:
+        if not self._command:
+            return
+        text = json.dumps({"condition": monitor.condition.text} | verdict.to_dict())
+        try:
+            started = subprocess.Popen(self._command, stdin=subprocess.PIPE, text=True)  # noqa: S603
+        except OSError as error:
+            raise UsageError(f"--run: {self._command[0]} does not start: {error}.") from error
+        try:
+            with started.stdin as stream:
+                stream.write(text)
+        except BrokenPipeError:  # it reads nothing
+            pass
+        self._started = [each for each in (*self._started, started) if each.poll() is None]
+
+
+def _print_verdict(monitor: Monitor, verdict: Verdict, *, as_json: bool) -> None:
+    if as_json:
+        line = {"type": "verdict", "condition": monitor.condition.text} | verdict.to_dict()
+        print(json.dumps(line), flush=True)
+        return
+    seen = " seen from the sensor" if verdict.is_relative else ""
+    print(
+        f"{verdict.time_s:.2f} s, frame {verdict.number}: {monitor.condition.restated}{seen}, "
+        f"{verdict.probability:.1%} sure, {verdict.latency_ms:.0f} ms after the frame. "
+        f"{verdict.text}",
+        flush=True,
+    )

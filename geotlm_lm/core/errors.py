@@ -1,5 +1,9 @@
 """Errors a user can repair, each one sentence with an exit code; checks of what a user asks for."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+
 LONGEST_MESSAGE = 3000
 """Characters of a sentence: the longest lawful one names every shape, in 1,800."""
 
@@ -91,6 +95,32 @@ class Stalled(GeoTLMError):
 
 class IncompatibleWeights(IncompatibleBundle):
     """A released encoder's file is missing, damaged, or not what its name says."""
+
+
+@contextmanager
+def damage_as(sentence: str) -> Iterator[None]:
+    """Turn whatever other libraries raise in the block into an `UnreadableClip` of this sentence.
+
+    They believe what a damaged file says, and fail in a dozen ways.
+    """
+    try:
+        yield
+    except GeoTLMError:
+        raise
+    except Exception as error:
+        raise UnreadableClip(sentence) from error
+
+
+def require_package(name: str, needed_by: str, extra: str) -> None:
+    """Refuse what needs a package that is not installed; `needed_by` begins the sentence.
+
+    Raises:
+        MissingDependency: If it is not, with the extra that installs it.
+    """
+    if find_spec(name) is None:
+        raise MissingDependency(
+            f"{needed_by}, which is not installed; run `pip install 'geotlm-lm[{extra}]'`."
+        )
 
 
 def first_line(error: Exception) -> str:

@@ -6,7 +6,7 @@ import json
 import os
 import re
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
@@ -52,29 +52,11 @@ def filled(template: str, chunk: int, file: int, camera: str = "") -> str:
     return str(PurePosixPath(template.format(video_key=camera, **numbers)))
 
 
-@dataclass(frozen=True)
-class Info:
-    """What a data set says of itself.
+def read_info(root: Path) -> dict[str, Any]:
+    """Return what the data set in a folder says of itself, all that is used of it checked.
 
-    Args:
-        fps: Frames per second, as a camera may have.
-        kinds: The type of each column by its name; a camera's name is one part of a path.
-        data_path: Template of the tables of frames, checked to stay below the root.
-        video_path: Likewise of the videos; None where no column is one.
-        total_episodes: How many there are.
-        content: All that the file holds.
+    A camera's name is one part of a path, and the templates of paths stay below the root.
     """
-
-    fps: float
-    kinds: Mapping[str, str]
-    data_path: str
-    video_path: str | None
-    total_episodes: int
-    content: dict[str, Any]
-
-
-def read_info(root: Path) -> Info:
-    """Return what the data set in a folder says of itself."""
     path = root / INFO
     if not os.path.isfile(path):
         raise UnreadableClip(
@@ -89,17 +71,10 @@ def read_info(root: Path) -> Info:
     if not _is_number(total) or isinstance(total, float) or total < 0:
         raise _senseless(path, "total_episodes", total, "a whole number")
     kinds = _kinds(path, content.get("features"))
-    has_videos = "video" in kinds.values()
-    return Info(
-        fps=float(fps),
-        kinds=kinds,
-        data_path=_template(path, content, "data_path", PLACE_FIELDS),
-        video_path=_template(path, content, "video_path", (*PLACE_FIELDS, "video_key"))
-        if has_videos
-        else None,
-        total_episodes=total,
-        content=content,
-    )
+    _require_template(path, content, "data_path", PLACE_FIELDS)
+    if "video" in kinds:
+        _require_template(path, content, "video_path", (*PLACE_FIELDS, "video_key"))
+    return content
 
 
 def read_object(path: Path) -> dict[str, Any]:
@@ -149,10 +124,11 @@ def _require_version(root: Path, version: object) -> None:
     )
 
 
-def _kinds(path: Path, features: object) -> dict[str, str]:
+def _kinds(path: Path, features: object) -> set[str]:
+    """Return the types of columns there are, each checked."""
     if not isinstance(features, dict):
         raise _senseless(path, "features", features, "an object with each column's dtype")
-    kinds = {}
+    kinds = set()
     for name, feature in features.items():
         kind = feature.get("dtype") if isinstance(feature, dict) else None
         if not isinstance(kind, str):
@@ -160,11 +136,13 @@ def _kinds(path: Path, features: object) -> dict[str, str]:
         is_part = name == PureWindowsPath(name).name and name != ".." and name.isprintable()
         if kind in ("video", "image") and not is_part:
             raise _senseless(path, "a camera's name", name, "one without slashes")
-        kinds[name] = kind
+        kinds.add(kind)
     return kinds
 
 
-def _template(path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]) -> str:
+def _require_template(
+    path: Path, content: dict[str, Any], name: str, fields: tuple[str, ...]
+) -> None:
     text = content.get(name)
     fault = _fault(text, fields) if isinstance(text, str) else "is no text"
     if fault is not None:
@@ -172,7 +150,6 @@ def _template(path: Path, content: dict[str, Any], name: str, fields: tuple[str,
             f"{path}: its {name}, {_shown(text)}, {fault}, expected a path below the data set's "
             f"folder such as {USUAL_PATHS[name]}; correct it, or copy the data set again."
         )
-    return text
 
 
 def _fault(text: str, fields: tuple[str, ...]) -> str | None:
@@ -253,9 +230,9 @@ def read_frames(path: Path) -> FrameTable:
     table = read_table(path, ["episode_index", "frame_index", "timestamp"])
     return FrameTable(
         path,
-        whole_numbers(path, table, "episode_index"),
-        whole_numbers(path, table, "frame_index"),
-        seconds(path, table, "timestamp"),
+        column_of(path, table, "episode_index", is_whole=True),
+        column_of(path, table, "frame_index", is_whole=True),
+        column_of(path, table, "timestamp", is_whole=False),
     )
 
 
@@ -296,39 +273,20 @@ def damage_as_sentence(path: Path) -> Iterator[None]:
         ) from error
 
 
-def whole_numbers(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.int64]:
-    """Return a column of numbers that count, (rows,)."""
+def column_of(
+    path: Path, table: pyarrow.Table, name: str, *, is_whole: bool
+) -> NDArray[np.int64] | NDArray[np.float64]:
+    """Return a column of numbers that count, or of times in seconds, (rows,)."""
     from pyarrow import types
 
-    return _numbers(path, table, name, types.is_integer, 2**63, "whole numbers from 0 on").astype(
-        np.int64
-    )
-
-
-def seconds(path: Path, table: pyarrow.Table, name: str) -> NDArray[np.float64]:
-    """Return a column of times, (rows,)."""
-    from pyarrow import types
-
-    def is_number(kind: pyarrow.DataType) -> bool:
-        return types.is_floating(kind) or types.is_integer(kind)
-
-    expected = f"seconds from 0 to {LONGEST_S:g}"
-    return _numbers(path, table, name, is_number, LONGEST_S, expected).astype(np.float64)
-
-
-def _numbers(
-    path: Path,
-    table: pyarrow.Table,
-    name: str,
-    is_kind: Callable[[pyarrow.DataType], bool],
-    most: float,
-    expected: str,
-) -> NDArray[Any]:
-    column = table[name]
-    if is_kind(column.type) and not column.null_count:
+    column, most, expected = table[name], LONGEST_S, f"seconds from 0 to {LONGEST_S:g}"
+    if is_whole:
+        most, expected = 2**63, "whole numbers from 0 on"
+    is_kind = types.is_integer(column.type) or (not is_whole and types.is_floating(column.type))
+    if is_kind and not column.null_count:
         values = column.to_numpy()
         if ((values >= 0) & (values < most)).all():
-            return values
+            return values.astype(np.int64 if is_whole else np.float64)
     held = f"{column.null_count} empty cells" if column.null_count else f"{column.type} values"
     raise UnreadableClip(
         f"{path}: its column {name} holds {held} that cannot be, expected {expected}; copy or "

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass, replace
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -19,24 +18,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError, first_line
+from geotlm_lm.core.errors import UnreadableClip, UsageError, first_line, require_package
 from geotlm_lm.data_sets.layout import (
     EPISODES,
     INFO,
-    Info,
+    column_of,
     contained,
     filled,
     read_frames,
     read_info,
     read_table,
-    seconds,
-    whole_numbers,
 )
 from geotlm_lm.recordings.images import decoded_image
-from geotlm_lm.recordings.listing import stamp_of
 from geotlm_lm.recordings.pixels import with_pixel_shape
 from geotlm_lm.recordings.policy import stride_for, stride_note
-from geotlm_lm.recordings.read import require_motion
+from geotlm_lm.recordings.read import require_motion, stamp_of
 
 OFF_SHARE = 0.5
 """Share of the time between two frames by which a picture may be off its row's time."""
@@ -70,24 +66,23 @@ class LeRobotDataSet:
     """A data set that is read where it lies; its episodes are numbered from 0 in order."""
 
     root: Path
-    info: Info
+    info: dict[str, Any]  # as of `read_info`
     episodes: tuple[Episode, ...]
 
     @property
     def fps(self) -> float:
         """Frames per second."""
-        return self.info.fps
+        return float(self.info["fps"])
 
     @property
     def features(self) -> dict[str, dict[str, Any]]:
         """What each column is, by its name."""
-        return self.info.content["features"]
+        return self.info["features"]
 
     @property
     def cameras(self) -> tuple[str, ...]:
         """Names of the features that are pictures, by name."""
-        kinds = self.info.kinds.items()
-        return tuple(sorted(name for name, kind in kinds if kind in ("video", "image")))
+        return tuple(sorted(names_of(self.features, "video", "image")))
 
     def require_camera(self, camera: str) -> None:
         """Refuse a camera that the data set lacks."""
@@ -108,7 +103,7 @@ class LeRobotDataSet:
 
     def data_path(self, episode: Episode) -> str:
         """Return the path of the table with an episode's frames, from the root on."""
-        return filled(self.info.data_path, episode.chunk, episode.file)
+        return filled(self.info["data_path"], episode.chunk, episode.file)
 
     def table_of(self, episode: Episode) -> Path:
         """Return the file with the rows of an episode's frames."""
@@ -116,10 +111,10 @@ class LeRobotDataSet:
 
     def video_of(self, episode: Episode, camera: str) -> Path | None:
         """Return the video in which a camera saw an episode; None where its table has pictures."""
-        if self.info.video_path is None or camera not in episode.videos:
+        if camera not in episode.videos:
             return None
         place = episode.videos[camera]
-        name = filled(self.info.video_path, place.chunk, place.file, camera)
+        name = filled(self.info["video_path"], place.chunk, place.file, camera)
         return contained(self.root, name)
 
 
@@ -132,11 +127,7 @@ def read_data_set(root: Path) -> LeRobotDataSet:
         MissingDependency: If a package that reads it is not installed.
     """
     for package in ("pyarrow", "av"):
-        if find_spec(package) is None:
-            raise MissingDependency(
-                f"A LeRobot data set is read with {package}, which is not installed; run "
-                f"`pip install 'geotlm-lm[lerobot]'`."
-            )
+        require_package(package, f"A LeRobot data set is read with {package}", "lerobot")
     info = read_info(root)
     paths = sorted((root / EPISODES).glob("*/*.parquet"))
     if not paths:
@@ -144,17 +135,21 @@ def read_data_set(root: Path) -> LeRobotDataSet:
             f"{root / EPISODES}: holds no table of episodes, expected chunk-000/file-000.parquet; "
             f"copy the data set again."
         )
-    cameras = [name for name, kind in info.kinds.items() if kind == "video"]
+    cameras = names_of(info["features"], "video")
+    total = info["total_episodes"]
     episodes = [episode for path in paths for episode in _episodes(path, cameras)]
     episodes.sort(key=lambda episode: episode.index)
-    if [episode.index for episode in episodes] != list(range(len(episodes))) or (
-        len(episodes) != info.total_episodes
-    ):
+    if len(episodes) != total or any(k != e.index for k, e in enumerate(episodes)):
         raise UnreadableClip(
-            f"{root}: {len(episodes)} episodes were found, expected {info.total_episodes} counted "
+            f"{root}: {len(episodes)} episodes were found, expected {total} counted "
             f"from 0 as {INFO} says; copy the data set again."
         )
     return LeRobotDataSet(root, info, tuple(episodes))
+
+
+def names_of(features: dict[str, dict[str, Any]], *kinds: str) -> list[str]:
+    """Return the names of the features that are of some kinds."""
+    return [name for name, feature in features.items() if feature["dtype"] in kinds]
 
 
 def is_data_set(path: Path) -> bool:
@@ -165,32 +160,27 @@ def is_data_set(path: Path) -> bool:
 def _episodes(path: Path, cameras: list[str]) -> Iterator[Episode]:
     """Yield the episodes of a table, whose pictures these cameras have in videos."""
     own = ("episode_index", "length", "data/chunk_index", "data/file_index")
-    counted = {
-        camera: [f"videos/{camera}/{name}" for name in ("chunk_index", "file_index")]
-        for camera in cameras
-    }
-    since = {camera: f"videos/{camera}/from_timestamp" for camera in cameras}
-    table = read_table(path, [*own, *sum(counted.values(), []), *since.values()])
-    columns = [whole_numbers(path, table, name).tolist() for name in own]
-    videos = [
-        [
-            VideoPlace(*place)
-            for place in zip(
-                *(whole_numbers(path, table, name).tolist() for name in counted[camera]),
-                seconds(path, table, since[camera]).tolist(),
-                strict=True,
-            )
-        ]
-        for camera in cameras
-    ]
-    if 0 in columns[1]:
+    places = ("chunk_index", "file_index", "from_timestamp")
+    of_videos = [[f"videos/{camera}/{place}" for place in places] for camera in cameras]
+    table = read_table(path, [*own, *sum(of_videos, [])])
+
+    def rows_of(names: Sequence[str]) -> list[tuple]:
+        columns = (
+            column_of(path, table, name, is_whole=not name.endswith(places[-1])) for name in names
+        )
+        return list(zip(*(column.tolist() for column in columns), strict=True))
+
+    episodes = rows_of(own)
+    videos = [[VideoPlace(*place) for place in rows_of(names)] for names in of_videos]
+    if any(length == 0 for _, length, *_ in episodes):
         raise UnreadableClip(
             f"{path}: an episode has a length of 0 frames, expected 1 or more; record the data "
             f"set again."
         )
-    for row, numbers in enumerate(zip(*columns, strict=True)):
-        places = {camera: videos[number][row] for number, camera in enumerate(cameras)}
-        yield Episode(*numbers, places)
+    for row, numbers in enumerate(episodes):
+        yield Episode(
+            *numbers, {camera: seen[row] for camera, seen in zip(cameras, videos, strict=True)}
+        )
 
 
 def episode_clip(

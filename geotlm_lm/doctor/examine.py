@@ -13,17 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.recordings.containers import declared_end
 from geotlm_lm.recordings.idle import FAINT_IMPRINT, find_idle, imprint_strength
+from geotlm_lm.recordings.images import TURN_NOTES, TURNS
 from geotlm_lm.recordings.legible import DARK_GREY, DIM_GREY, GREEN, WHITE_GREY, noise_grey
 from geotlm_lm.recordings.pixels import SQUASHED
-from geotlm_lm.recordings.policy import EVEN_STEP, FEWEST_EVEN, ROUNDED_S
+from geotlm_lm.recordings.policy import EVEN_STEP, FEWEST_EVEN, ROUNDED_S, FrameClock
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, without_blank
-from geotlm_lm.recordings.stated_shape import TURN_NOTES, TURNS
 from geotlm_lm.recordings.touch import COLUMNS
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, declared_end
 from geotlm_lm.track.exposure import exposure_step, small_colours
-from geotlm_lm.track.frame_clock import FrameClock
 
 Floats = NDArray[np.float32]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import zipfile
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
 from typing import IO
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.errors import UnreadableClip, damage_as
 from geotlm_lm.recordings.pixels import (
     Layout,
     layout_of,
@@ -302,19 +302,8 @@ def _number(value: NDArray, name: str) -> float | None:
     return float(value.reshape(()))
 
 
-@contextmanager
-def _refusing_damage(name: str) -> Iterator[None]:
-    """Turn whatever numpy and zipfile raise on a damaged file into one sentence.
-
-    They believe what the file says and fail in a dozen ways: TypeError, OverflowError, MemoryError,
-    TokenError on headers, BadZipFile, LZMAError, RuntimeError (encrypted) on archives, and more.
-    """
-    try:
-        yield
-    except UnreadableClip:
-        raise
-    except Exception as error:
-        raise UnreadableClip(
-            f"{name}: is cut off or is no numpy file, expected what numpy.save or numpy.savez "
-            f"writes; copy or record it again."
-        ) from error
+def _refusing_damage(name: str) -> AbstractContextManager[None]:
+    return damage_as(
+        f"{name}: is cut off or is no numpy file, expected what numpy.save or numpy.savez "
+        f"writes; copy or record it again."
+    )

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -15,12 +13,11 @@ import cv2
 import numpy as np
 
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.core.errors import GeoTLMError, MissingDependency, UnreadableClip
+from geotlm_lm.core.errors import UnreadableClip, damage_as, require_package
 from geotlm_lm.core.files import is_plain, plain_name
-from geotlm_lm.recordings.images import decoded_image
+from geotlm_lm.recordings.images import StatedShape, decoded_image, image_shape
 from geotlm_lm.recordings.pixels import of_8_bits
 from geotlm_lm.recordings.policy import Source, SourceFrame, kept_frames
-from geotlm_lm.recordings.stated_shape import StatedShape, image_shape
 
 if TYPE_CHECKING:
     from rosbags.rosbag1 import Reader as Reader1
@@ -37,50 +34,33 @@ METADATA = "metadata.yaml"
 RAW, PACKED = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 
 
-@dataclass(frozen=True)
-class _Encoding:
-    """How an image message holds a pixel."""
-
-    channels: int
-    to_rgb: int | None
-    bits: int = 8
-
-
-def _in_8_and_16_bits(name: str, channels: int, to_rgb: int | None) -> dict[str, _Encoding]:
-    return {f"{name}{bits}": _Encoding(channels, to_rgb, bits) for bits in (8, 16)}
-
-
-# Named by the four pixels at the upper left, as ROS does, and not by OpenCV's older names, which
-# begin at the second row and column.
-_MOSAICS = {
-    "rggb": cv2.COLOR_BayerRGGB2RGB,
-    "bggr": cv2.COLOR_BayerBGGR2RGB,
-    "gbrg": cv2.COLOR_BayerGBRG2RGB,
-    "grbg": cv2.COLOR_BayerGRBG2RGB,
-}
+# Mosaics are named by the four pixels at the upper left, as ROS does, and not by OpenCV's older
+# names, which begin at the second row and column.
+_FORMS = (
+    ("rgb{}", 3, None),
+    ("bgr{}", 3, cv2.COLOR_BGR2RGB),
+    ("rgba{}", 4, cv2.COLOR_RGBA2RGB),
+    ("bgra{}", 4, cv2.COLOR_BGRA2RGB),
+    ("mono{}", 1, cv2.COLOR_GRAY2RGB),
+    ("{}UC1", 1, cv2.COLOR_GRAY2RGB),
+    ("{}UC3", 3, cv2.COLOR_BGR2RGB),
+    ("{}UC4", 4, cv2.COLOR_BGRA2RGB),
+    ("yuv422", 2, cv2.COLOR_YUV2RGB_UYVY),
+    ("uyvy", 2, cv2.COLOR_YUV2RGB_UYVY),
+    ("yuv422_yuy2", 2, cv2.COLOR_YUV2RGB_YUY2),
+    ("yuyv", 2, cv2.COLOR_YUV2RGB_YUY2),
+    ("bayer_rggb{}", 1, cv2.COLOR_BayerRGGB2RGB),
+    ("bayer_bggr{}", 1, cv2.COLOR_BayerBGGR2RGB),
+    ("bayer_gbrg{}", 1, cv2.COLOR_BayerGBRG2RGB),
+    ("bayer_grbg{}", 1, cv2.COLOR_BayerGRBG2RGB),
+)
 
 ENCODINGS = {
-    **_in_8_and_16_bits("rgb", 3, None),
-    **_in_8_and_16_bits("bgr", 3, cv2.COLOR_BGR2RGB),
-    **_in_8_and_16_bits("rgba", 4, cv2.COLOR_RGBA2RGB),
-    **_in_8_and_16_bits("bgra", 4, cv2.COLOR_BGRA2RGB),
-    **_in_8_and_16_bits("mono", 1, cv2.COLOR_GRAY2RGB),
-    "8UC1": _Encoding(1, cv2.COLOR_GRAY2RGB),
-    "16UC1": _Encoding(1, cv2.COLOR_GRAY2RGB, 16),
-    "8UC3": _Encoding(3, cv2.COLOR_BGR2RGB),
-    "16UC3": _Encoding(3, cv2.COLOR_BGR2RGB, 16),
-    "8UC4": _Encoding(4, cv2.COLOR_BGRA2RGB),
-    "16UC4": _Encoding(4, cv2.COLOR_BGRA2RGB, 16),
-    "yuv422": _Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
-    "uyvy": _Encoding(2, cv2.COLOR_YUV2RGB_UYVY),
-    "yuv422_yuy2": _Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
-    "yuyv": _Encoding(2, cv2.COLOR_YUV2RGB_YUY2),
-    **{
-        name: encoding
-        for order, to_rgb in _MOSAICS.items()
-        for name, encoding in _in_8_and_16_bits(f"bayer_{order}", 1, to_rgb).items()
-    },
+    form.format(bits): (channels, to_rgb, bits)
+    for form, channels, to_rgb in _FORMS
+    for bits in ((8, 16) if "{}" in form else (8,))
 }
+"""How an image message holds a pixel: channels, conversion to RGB if any, bits, by its name."""
 
 
 def is_bag(path: Path) -> bool:
@@ -110,7 +90,7 @@ class BagSource(Source):
         path = self._path
         reader_of, deserialize = _rosbags(path)
         with (
-            _refusing_damage(path),
+            damage_as(_damage(path)),
             plain_name(_plain_part(path)) as plain,
             reader_of(Path(plain)) as reader,
         ):
@@ -176,15 +156,11 @@ def _is_part(path: Path) -> bool:
 
 def _rosbags(path: Path) -> tuple[type[Reader | Reader1], Callable[[bytes, str], Any]]:
     """Return what reads the messages of a bag, and what reads one of them."""
-    try:
-        from rosbags.rosbag1 import Reader as Reader1
-        from rosbags.rosbag2 import Reader
-        from rosbags.typesys import Stores, get_typestore
-    except ImportError as error:
-        raise MissingDependency(
-            f"{path}: a bag is read with rosbags, which is not installed; run `pip install "
-            f"'geotlm-lm[ros]'`."
-        ) from error
+    require_package("rosbags", f"{path}: a bag is read with rosbags", "ros")
+    from rosbags.rosbag1 import Reader as Reader1
+    from rosbags.rosbag2 import Reader
+    from rosbags.typesys import Stores, get_typestore
+
     # The two types of image are the same in every release of ROS 2; older bags hold no definitions.
     if path.suffix.lower() != ROS_1:
         return Reader, get_typestore(Stores.LATEST).deserialize_cdr
@@ -223,11 +199,11 @@ def _unpadded(message: Any, name: str) -> Frames:
             f"{name} has the encoding {message.encoding or '(none)'}, expected "
             f"{', '.join(ENCODINGS)}; publish the camera's images in one of these."
         )
-    encoding = ENCODINGS[message.encoding]
+    channels, to_rgb, bits = ENCODINGS[message.encoding]
     order = ">" if message.is_bigendian else "<"
-    kind = np.dtype(np.uint8 if encoding.bits == 8 else f"{order}u2")
+    kind = np.dtype(np.uint8 if bits == 8 else f"{order}u2")
     kept_frames(rows, columns, name)  # refused before room is made for it
-    line = columns * encoding.channels * kind.itemsize
+    line = columns * channels * kind.itemsize
     step, data = message.step, message.data
     if 0 in (rows, columns) or step < line or len(data) < step * rows:
         raise UnreadableClip(
@@ -237,10 +213,10 @@ def _unpadded(message: Any, name: str) -> Frames:
     lines = np.ascontiguousarray(data[: step * rows].reshape(rows, step)[:, :line])
     pixels = lines.view(kind).astype(kind.newbyteorder("=")).reshape(rows, columns, -1)
     [pixels] = of_8_bits([pixels], name)
-    if encoding.to_rgb is None:
+    if to_rgb is None:
         return pixels
     try:
-        return cv2.cvtColor(pixels, encoding.to_rgb)
+        return cv2.cvtColor(pixels, to_rgb)
     except cv2.error as error:  # an odd number of columns in pairs of pixels
         raise UnreadableClip(
             f"{name} has {columns} x {rows} pixels, which the encoding {message.encoding} "
@@ -248,21 +224,11 @@ def _unpadded(message: Any, name: str) -> Frames:
         ) from error
 
 
-@contextmanager
-def _refusing_damage(path: Path) -> Iterator[None]:
-    """Turn whatever the readers of bags raise on a damaged one into one sentence.
-
-    Theirs, those of SQLite and of the packers, and what Python says of numbers out of range.
-    """
-    try:
-        yield
-    except GeoTLMError:
-        raise
-    except Exception as error:
-        kind, writer, repair = "ROS 2", "ros2 bag record", "mcap recover"
-        if path.suffix.lower() == ROS_1:
-            kind, writer, repair = "ROS 1", "rosbag record", "rosbag reindex"
-        raise UnreadableClip(
-            f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
-            f"again, or repair it by `{repair}`."
-        ) from error
+def _damage(path: Path) -> str:
+    kind, writer, repair = "ROS 2", "ros2 bag record", "mcap recover"
+    if path.suffix.lower() == ROS_1:
+        kind, writer, repair = "ROS 1", "rosbag record", "rosbag reindex"
+    return (
+        f"{path}: is cut off or is no bag of {kind}, expected what `{writer}` writes; copy it "
+        f"again, or repair it by `{repair}`."
+    )

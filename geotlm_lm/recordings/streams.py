@@ -10,19 +10,18 @@ import math
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
+from queue import Empty, SimpleQueue
 
 import cv2
 import numpy as np
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import MissingDependency, Stalled
-from geotlm_lm.recordings.containers import declared_end
 from geotlm_lm.recordings.legible import DARK_GREY
 from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.policy import rate_ahead, require_same_size
@@ -34,7 +33,7 @@ from geotlm_lm.recordings.read import (
     require_there,
     streamed_source,
 )
-from geotlm_lm.recordings.video import VIDEO_SUFFIXES, quiet_capture
+from geotlm_lm.recordings.video import VIDEO_SUFFIXES, declared_end, quiet_capture
 
 DEFAULT_FPS = 25.0
 """Taken where a source does not say: a GelSight Mini's rate."""
@@ -92,63 +91,49 @@ class LatestFrames:
         patience: Patience | None = None,
         name: str = "The source",
     ) -> None:
-        self._name = name
-        self._waiting: deque[StreamFrame] = deque()
-        self._capacity, self._is_closed = capacity, False
+        self._name, self._capacity = name, capacity
+        self._waiting: SimpleQueue[StreamFrame | Exception | None] = SimpleQueue()
         self._patience = patience or Patience()
-        self._changed = threading.Condition()
         self.dropped = 0
-        self._error: Exception | None = None
 
     def put(self, frame: StreamFrame) -> None:
         """Add a frame; never waits."""
-        with self._changed:
-            self._waiting.append(frame)
-            if len(self._waiting) > self._capacity:
-                self._waiting.popleft()
+        self._waiting.put(frame)
+        if self._waiting.qsize() > self._capacity:
+            with suppress(Empty):  # read meanwhile
+                self._waiting.get_nowait()
                 self.dropped += 1
-            self._changed.notify()
 
     def close(self, error: Exception | None = None) -> None:
         """End the stream; what waits is still read, then `error` is raised to the reader."""
-        with self._changed:
-            self._is_closed, self._error = True, error
-            self._changed.notify()
+        self._waiting.put(error)
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield frames in order, waiting for each, until the stream is closed."""
-        while True:
-            self._wait()
-            with self._changed:
-                if not self._waiting:
-                    if self._error is not None:
-                        raise self._error
-                    return
-                frame = self._waiting.popleft()
+        while isinstance(frame := self._next(), StreamFrame):
             yield frame
+        if frame is not None:
+            raise frame
 
-    def _wait(self) -> None:
-        began = time.monotonic()
+    def _next(self) -> StreamFrame | Exception | None:
+        began, stalled_s = time.monotonic(), self._patience.stalled_s
         moments_s = rising_s() if self._patience.tell else iter(())
         due_s = next(moments_s, math.inf)
         while True:
-            with self._changed:
-                if self._waiting or self._is_closed:
-                    return
-                silent_s = time.monotonic() - began
-                next_s = min(due_s, self._patience.stalled_s) - silent_s
-                if next_s > 0:  # half a second at most: a signal must be heard
-                    self._changed.wait(timeout=min(next_s, 0.5))
-                    continue
-            if due_s <= min(silent_s, self._patience.stalled_s):
-                self._patience.tell(due_s)
-                due_s = next(moments_s)
-            else:
+            silent_s = time.monotonic() - began
+            next_s = min(due_s, stalled_s) - silent_s
+            with suppress(Empty):  # half a second at most: a signal must be heard
+                return self._waiting.get(timeout=min(max(next_s, 0.0), 0.5))
+            if next_s > 0:
+                continue
+            if due_s > min(silent_s, stalled_s):
                 raise Stalled(
-                    f"{self._name} has given no frame for {self._patience.stalled_s:g} s; check "
-                    f"its cable, close other programs that use it, and start again, or wait "
-                    f"longer by --stalled-after."
+                    f"{self._name} has given no frame for {stalled_s:g} s; check its cable, close "
+                    f"other programs that use it, and start again, or wait longer by "
+                    f"--stalled-after."
                 )
+            self._patience.tell(due_s)
+            due_s = next(moments_s)
 
 
 class Unwaiting(ABC):

@@ -1,26 +1,67 @@
 """What is drawn of a track: curves with their spans, bands of events, and marks over each frame.
 
-The plot, the film, the Rerun recording and the page read these values; none works out its own.
+The plot and the film are drawn here; the Rerun recording and the page read the same values. None
+works out its own.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+import os
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from geotlm_lm.core.clip import Frames
+from geotlm_lm.core.errors import Unwritten
+from geotlm_lm.core.files import plain_name, replacing, replacing_by_name
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
-from geotlm_lm.track.events import Event
-from geotlm_lm.track.export import Units, event_name
+from geotlm_lm.recordings.video import quiet_capture
+from geotlm_lm.track.events import Event, EventKind
+from geotlm_lm.track.export import Exported, Units, event_name, require_packages
 from geotlm_lm.track.track import Track
+from geotlm_lm.views import ARROW_COLOUR, ARROW_THICKNESS, magnified
 
 Floats = NDArray[np.float64]
 
 CAPTION_S = 0.5
 """Time for which an event that is over stays in the caption."""
+
+CAPTION_ROWS = 56
+"""Pixels of the strip below the frame that holds two lines."""
+
+DIAL_PX, DIAL_MARGIN = 30, 10
+"""Radius of the dial that shows the turn, and its distance from the corner."""
+
+WHITE, GREY = (255, 255, 255), (150, 150, 150)
+
+COLOURS = {
+    EventKind.TOUCH: "black",
+    EventKind.PRESS: "tab:green",
+    EventKind.TURN: "tab:blue",
+    EventKind.SLIDE: "tab:orange",
+    EventKind.STICK: "tab:gray",
+    EventKind.SLIP: "tab:red",
+    EventKind.RELEASE: "tab:purple",
+}
+
+LANES = tuple(kind for kind in EventKind if kind is not EventKind.TOUCH)
+"""Kinds of events that have a bar each, one below the other; a touch is a line through all."""
+
+STYLES = {
+    "turn": ("tab:blue", "turn (clockwise positive)"),
+    "right": ("tab:orange", "travel to the right"),
+    "down": ("tab:brown", "travel down the image"),
+    "contact": ("black", None),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,3 +193,169 @@ def _curves(units: Units, way: Floats, spread: Floats, contact: Floats) -> tuple
 def _arrows(way: Floats, units: Units) -> Floats:
     rows, columns = filled_size(*units.frame_size) if min(units.frame_size) > 0 else (1, 1)
     return way[:, 1:3] / (columns, rows)
+
+
+def write_film(
+    path: Path, exported: Exported, frames: Iterable[tuple[int, Frames]], fps: float
+) -> None:
+    """Write a drawing of every tracked frame to a video file, which appears when it is whole.
+
+    Args:
+        path: Of the .mp4 file; its folder is made if missing.
+        exported: The track.
+        frames: The recording's, uint8 RGB, each after its number; those not tracked are left out.
+        fps: Frames per second of the video.
+
+    Raises:
+        Unwritten: If the file cannot be written, or not whole.
+    """
+    drawing = drawing_of(exported.track, exported.units)
+    places = {int(number): place for place, number in enumerate(drawing.numbers)}
+    with filming(path, fps) as write:
+        for number, frame in frames:
+            if number in places:
+                write(draw_mark(frame, drawing.mark(places[number])))
+            if number >= max(places):
+                break
+
+
+def draw_mark(frame: Frames, mark: Mark) -> Frames:
+    """Return a frame, magnified, with its arrow and its dial, on a strip with two lines of text."""
+    image = magnified(frame)
+    rows, columns = image.shape[:2]
+    middle = np.array([columns / 2, rows / 2])
+    tip = middle + mark.arrow * (columns, rows)
+    if np.hypot(*(tip - middle)) > 2 * ARROW_THICKNESS:
+        ends = [tuple(int(x) for x in np.rint(end)) for end in (middle, tip)]
+        cv2.arrowedLine(image, *ends, ARROW_COLOUR, ARROW_THICKNESS, cv2.LINE_AA, tipLength=0.2)
+    _draw_dial(image, mark.hand_deg)
+    image = cv2.copyMakeBorder(image, 0, CAPTION_ROWS, 0, 0, cv2.BORDER_CONSTANT)
+    for line, (text, colour) in enumerate(zip(mark.lines, (GREY, WHITE), strict=True)):
+        at = (8, rows + 22 + 24 * line)
+        cv2.putText(image, text, at, cv2.FONT_HERSHEY_SIMPLEX, 0.42, colour, 1, cv2.LINE_AA)
+    # The codec halves the colours' resolution: odd sizes cannot be written.
+    return image[: image.shape[0] // 2 * 2, : image.shape[1] // 2 * 2]
+
+
+def _draw_dial(image: Frames, turn_deg: float) -> None:
+    """Draw a circle whose hand points up at the begin and turns as the object has."""
+    middle, angle = (DIAL_MARGIN + DIAL_PX, DIAL_MARGIN + DIAL_PX), math.radians(turn_deg)
+    right, up = DIAL_PX * math.sin(angle), DIAL_PX * math.cos(angle)
+    hand = (round(middle[0] + right), round(middle[1] - up))
+    cv2.circle(image, middle, DIAL_PX, WHITE, 1, cv2.LINE_AA)
+    cv2.line(image, middle, (middle[0], DIAL_MARGIN), GREY, 1, cv2.LINE_AA)
+    cv2.line(image, middle, hand, ARROW_COLOUR, ARROW_THICKNESS, cv2.LINE_AA)
+
+
+@contextmanager
+def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
+    """Yield what writes an image to a video, which takes the place of `path` once it is whole.
+
+    Raises:
+        Unwritten: If the file cannot be written, or not whole.
+    """
+    writer: cv2.VideoWriter | None = None
+    written = 0
+
+    def write(image: Frames) -> None:
+        nonlocal writer, written
+        if writer is None:
+            # Read when the codecs are first used: their messages become one sentence here.
+            os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+            size = (image.shape[1], image.shape[0])
+            plain = opened.enter_context(plain_name(part))
+            writer = cv2.VideoWriter(plain, cv2.VideoWriter_fourcc(*"mp4v"), fps, size)
+            if not writer.isOpened():
+                raise Unwritten(f"{path} cannot be written as video; give another name.")
+        writer.write(cv2.cvtColor(image, cv2.COLOR_RGB2BGR))
+        written += 1
+
+    with ExitStack() as opened, replacing_by_name(path) as part:
+        yield write
+        if writer is None:
+            part.unlink()
+            return
+        writer.release()
+        # The codec reports no failure: as many frames must be there as were written.
+        with quiet_capture(part, cv2.CAP_FFMPEG) as capture:
+            declared = int(capture.get(cv2.CAP_PROP_FRAME_COUNT))
+            capture.set(cv2.CAP_PROP_POS_FRAMES, written - 1)
+            is_whole = declared == written and capture.grab()
+        if not is_whole:
+            raise Unwritten(
+                f"{path} could not be written whole; free some room on the disk, or give a name on "
+                f"another one."
+            )
+
+
+def write_plot(path: Path, exported: Exported, *, in_frames: bool) -> None:
+    """Draw a track to a PNG file; arguments and errors as of `plot_png`."""
+    require_packages(path)
+    png = plot_png(exported, in_frames=in_frames)
+    with replacing(path) as stream:
+        stream.write(png)
+
+
+def plot_png(exported: Exported, *, in_frames: bool) -> bytes:
+    """Return turn, travel and contact of each frame, with bands that hold nine tenths, as a PNG.
+
+    Args:
+        exported: The track.
+        in_frames: Whether to draw over frame numbers, as of recordings without a frame rate.
+
+    Raises:
+        MissingDependency: If matplotlib is not installed.
+    """
+    require_packages(Path("timeline.png"))
+    from matplotlib.figure import Figure
+
+    drawing = drawing_of(exported.track, exported.units)
+    figure = Figure(figsize=(9.0, 7.5), layout="constrained")
+    axes = figure.subplots(4, sharex=True, height_ratios=(3, 3, 1.5, 1.8))
+    panels = dict(zip(("turn", "travel", "contact", "events"), axes, strict=True))
+    _draw_curves(panels, drawing, drawing.numbers if in_frames else drawing.times_s)
+    panels["turn"].set_ylabel("turn (degrees)")
+    panels["travel"].set_ylabel(f"travel ({drawing.units.name})")
+    panels["contact"].set(ylabel="contact\n(probability)", ylim=(-0.05, 1.05))
+    _draw_bands(panels, drawing, in_frames)
+    panels["events"].set_xlabel("frame" if in_frames else "time (s)")
+    for panel in axes:
+        panel.grid(alpha=0.3)
+    figure.legend(loc="outside upper center", ncols=5, fontsize="small")
+    stream = BytesIO()
+    figure.savefig(stream, dpi=120, format="png")
+    return stream.getvalue()
+
+
+def _draw_curves(panels: dict[str, Any], drawing: Drawing, times: Any) -> None:
+    for curve in drawing.curves:
+        if curve.name not in STYLES:
+            continue
+        axes, (colour, label) = panels[curve.panel], STYLES[curve.name]
+        axes.plot(times, curve.mean, color=colour, label=label)
+        if curve.spread is not None:
+            low, high = curve.mean - curve.spread, curve.mean + curve.spread
+            axes.fill_between(times, low, high, color=colour, alpha=0.2, linewidth=0)
+
+
+def _draw_bands(panels: dict[str, Any], drawing: Drawing, in_frames: bool) -> None:
+    """Draw each event as a bar in its lane, and a line through all panels where contact begins."""
+    lanes, labelled = panels["events"], set()
+    for event in (band.event for band in drawing.bands):
+        begin, end = (event.begin, event.end) if in_frames else (event.begin_s, event.end_s)
+        label = None if event.kind in labelled else event.kind.value
+        labelled.add(event.kind)
+        colour = COLOURS[event.kind]
+        if event.kind is EventKind.TOUCH:
+            for axes in (*panels.values(), lanes):
+                axes.axvline(begin, color=colour, linestyle=":", linewidth=1)
+            lanes.lines[-1].set_label(label)
+            continue
+        lane = LANES.index(event.kind)
+        lanes.barh(lane, end - begin, left=begin, height=0.7, color=colour, label=label,
+                   edgecolor="white" if end > begin else colour)  # fmt: skip
+        panel = {EventKind.TURN: "turn", EventKind.SLIDE: "travel"}.get(event.kind)
+        if panel is not None:
+            panels[panel].axvspan(begin, end, color=colour, alpha=0.07, linewidth=0)
+    lanes.set_yticks(range(len(LANES)), [kind.value for kind in LANES], fontsize="small")
+    lanes.set_ylim(len(LANES) - 0.5, -0.5)

@@ -7,13 +7,12 @@ import io
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.errors import require_package
 from geotlm_lm.core.files import replacing
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.twist import Component
@@ -43,11 +42,8 @@ def require_packages(path: Path) -> None:
     """
     ending = ".rrd" if path == SERVE else path.suffix
     package, extra = _PACKAGES.get(ending, (None, ""))
-    if package is not None and find_spec(package) is None:
-        raise MissingDependency(
-            f"{path}: a {ending} file is written with {package}, which is not installed; run "
-            f"`pip install 'geotlm-lm[{extra}]'`."
-        )
+    if package is not None:
+        require_package(package, f"{path}: a {ending} file is written with {package}", extra)
 
 
 @dataclass(frozen=True)

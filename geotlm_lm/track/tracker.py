@@ -26,14 +26,14 @@ from geotlm_lm.recordings.idle import (
     imprints_of,
     strength_of,
 )
+from geotlm_lm.recordings.policy import FrameClock
 from geotlm_lm.recordings.scene_checks import SceneChecker, SceneReport, scene_of
 from geotlm_lm.track.angles import KeyAngles, detail_of
 from geotlm_lm.track.block import Believe, Block, Row
 from geotlm_lm.track.events import COLUMNS, Event, EventFinder, EventKind, Moment
 from geotlm_lm.track.exposure import IdleTracker
-from geotlm_lm.track.frame_clock import FrameClock
 from geotlm_lm.track.keyframes import Floats, KeyFrames, Residuals, Step, small_green
-from geotlm_lm.track.short import Shown, Whole, track_of_clip
+from geotlm_lm.track.summed import Shown, Whole, track_of_clip
 from geotlm_lm.track.track import Track, decided
 
 LET_GO = 0.8
@@ -228,7 +228,7 @@ class Tracker:
                 return []
             frame = steady
         if len(self._shown) <= FRAME_COUNT:
-            self._shown.append(Shown(Row(self._number, taken_s, 0.0, 0.0, False), frame))
+            self._shown.append((Row(self._number, taken_s, 0.0, 0.0, False), frame))
         exposure = self._idle.follow_exposure(frame)
         if exposure is not None:
             self._stepped.append(self._number)
@@ -241,7 +241,7 @@ class Tracker:
         row = self._measured(frame)
         self._before = frame
         if self._is_short:
-            self._shown[-1] = Shown(row, frame)
+            self._shown[-1] = (row, frame)
         ended = self._block.rows and not row.is_touched and self._block.rows[-1].is_touched
         events = self._settled() if ended else []
         if ended:
@@ -270,7 +270,7 @@ class Tracker:
     def finish(self) -> Track:
         """Return the track of all frames; the last events are those that the end cuts off."""
         if self._is_short and len(self._shown) > 1:
-            clip = Clip(np.stack([shown.frame for shown in self._shown]), background=self.idle)
+            clip = Clip(np.stack([frame for _, frame in self._shown]), background=self.idle)
             track = track_of_clip(self._shown, self._whole(clip), self._scene.notes)
             doubted = tuple(self._doubted(list(track.events)))
             contact = self._contact_of(track.contact)

@@ -16,8 +16,8 @@ from geotlm_lm.answering.batch import answer_all
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.data_sets.lerobot import every_episode, read_data_set
-from geotlm_lm.recordings import listing
-from geotlm_lm.recordings.listing import StoredRecording
+from geotlm_lm.recordings import read
+from geotlm_lm.recordings.read import StoredRecording
 from geotlm_lm.runs.run import LOST, Workers
 from tests.answering.scripted import feeling, recording
 from tests.data_sets.lerobot_files import CAMERA, turned, write_data_set
@@ -39,7 +39,7 @@ def clips(tmp_path):
 
 
 def clips_in(folder):
-    return list(map(StoredRecording, listing.clips_in(folder)))
+    return list(map(StoredRecording, read.clips_in(folder)))
 
 
 def answer_by(answerer, *args, **options):

@@ -11,8 +11,7 @@ from geotlm_lm.benchmarks.harness import Run
 from geotlm_lm.benchmarks.tracks import TRACKS, graded_rows, passed_s, track_grades
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.twist import Component
-from geotlm_lm.data.gold_turns import CurvePoint, GoldTurn, Moment, Quality
-from geotlm_lm.data.touch_table import TouchRow
+from geotlm_lm.data.touch_table import CurvePoint, GoldTurn, Moment, Quality, TouchRow
 from tests.track.tracks import moving_track
 
 FPS, FIRST, LAST = 25.0, 10, 50

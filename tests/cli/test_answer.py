@@ -10,7 +10,7 @@ import pytest
 
 from geotlm_lm.recordings.read import frames_inside
 from tests.cli.running import run
-from tests.recordings import broken_files
+from tests.recordings.test_failures import CASES
 
 
 class FakeAnswerer:
@@ -127,7 +127,7 @@ def test_an_abstention_fails_only_when_asked_to(ask, answerer, clip_path):
 
 @pytest.mark.parametrize(("command", "name"), [("answer", "nan.npy"), ("info", "bomb.npz")])
 def test_a_bad_clip_ends_with_its_sentence_and_code_3(capsys, answerer, tmp_path, command, name):
-    content, sentence = broken_files.CASES[name]
+    content, sentence = CASES[name]
     path = tmp_path / name
     path.write_bytes(content)
     question = ["--q", "Which way?"] if command == "answer" else []

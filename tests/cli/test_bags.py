@@ -2,7 +2,6 @@
 
 import json
 
-import numpy as np
 import pytest
 
 from tests.cli.running import run
@@ -22,30 +21,17 @@ def bag(tmp_path, clip):
     return write_bag(tmp_path / "run", topics)
 
 
-@pytest.fixture
-def array(tmp_path, clip):
-    path = tmp_path / "clip.npz"
-    np.savez(path, frames=clip.frames, fps=25.0)
-    return path
-
-
 def told(capsys, *words):
     code, out, errors = run(capsys, *words)
     assert code == 0, errors
     return json.loads(out.splitlines()[-1])
 
 
-def test_its_track_is_that_of_an_array(capsys, answerer, bag, array):
-    of_bag = told(capsys, "track", bag, "--topic", TOPIC, "--json")
-    of_array = told(capsys, "track", array, "--json")
-    assert of_bag["totals"] == of_array["totals"]
-    assert of_bag["events"] == of_array["events"]
-
-
-def test_it_is_answered_about_described_and_watched(capsys, answerer, bag):
+def test_it_is_answered_about_described_tracked_and_watched(capsys, answerer, bag):
     asked = ("--q", "Which way is it turning?")
     assert "clockwise" in run(capsys, "answer", bag, "--topic", TOPIC, *asked)[1]
     assert told(capsys, "info", bag, "--topic", TOPIC, "--json")["frames"] == 70
+    assert told(capsys, "track", bag, "--topic", TOPIC, "--json")["totals"]["frames"] == 70
     account = told(capsys, "watch", bag, "--topic", TOPIC, "--json")
     assert account["frames"] == 70
     facts = told(capsys, "doctor", bag, "--topic", TOPIC, "--json")
@@ -61,12 +47,3 @@ def test_a_folder_of_them_is_answered_in_a_batch(capsys, answerer, tmp_path, bag
     assert code == 0, errors
     [row] = map(json.loads, out.read_text().splitlines())
     assert (row["clip"], row["error"]) == ("run", None)
-
-
-def test_without_a_topic_they_are_listed(capsys, bag):
-    code, out, errors = run(capsys, "info", bag)
-    assert (code, out) == (3, "")
-    assert errors == (
-        f"{bag}: holds images on 2 topics, {TOPIC} (70 images), /wrist (3 images), expected one; "
-        f"give it by --topic.\n"
-    )

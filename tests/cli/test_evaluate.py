@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every, rows_of
-from geotlm_lm.cli.recorded import command_line
+from geotlm_lm.cli.options import command_line
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.training import config
 from geotlm_lm.training.config import HeadsPreset

@@ -179,7 +179,7 @@ def test_ctrl_c_ends_with_code_130_and_says_what_became_of_files_where_any_are_w
 
     monkeypatch.setattr("geotlm_lm.recordings.read.read_clip", interrupt)
     assert run(capsys, "info", "clip.npy") == (130, "", "Stopped.\n")
-    monkeypatch.setattr("geotlm_lm.recordings.listing.clips_in", interrupt)
+    monkeypatch.setattr("geotlm_lm.recordings.read.clips_in", interrupt)
     asked = tmp_path / "questions.txt"
     asked.write_text("Which way?\n")
     assert run(capsys, "batch", "a", "--questions", str(asked), "--out", "c") == (

@@ -13,13 +13,12 @@ import numpy as np
 import pytest
 
 from geotlm_lm.recordings import policy
-from geotlm_lm.recordings import video as videos
 from geotlm_lm.recordings.idle import estimate_background
-from geotlm_lm.track import export
 from geotlm_lm.track.rerun_log import log_clip, rerun_recording, viewer
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, Measuring, saved_touch
+from tests.recordings.test_read import write_gif
 
 
 @pytest.fixture(autouse=True)
@@ -123,7 +122,7 @@ def test_ctrl_c_ends_the_recording_there_and_keeps_what_was_tracked(
 def test_a_missing_package_is_told_with_its_extra(
     capsys, path, tmp_path, monkeypatch, option, name, package
 ):
-    monkeypatch.setattr(export, "find_spec", lambda name: None)
+    monkeypatch.setattr("geotlm_lm.core.errors.find_spec", lambda name: None)
     assert run(capsys, path, option, tmp_path / name) == (
         7,
         "",
@@ -183,47 +182,15 @@ def test_frame_numbers_stand_for_times_where_no_rate_is_known(capsys, tmp_path):
     assert lines[1].split()[:3] == ["10", "10", "touch"]
 
 
-def write_video(path):
-    size = (CLIP.frames.shape[2], CLIP.frames.shape[1])
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, size)
-    for frame in CLIP.frames:
-        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
-    writer.release()
-
-
 STEPS_S = [0.04] * 40 + [0.4] + [0.08] * 64
-
-
-class Uneven:
-    """A video of which each frame has a time of its own, as phones and screen recorders write."""
-
-    def __init__(self, *source):
-        self.video, self.seen = CAPTURE(*source), -1
-        self.retrieve, self.release = self.video.retrieve, self.video.release
-
-    def grab(self):
-        self.seen += 1
-        return self.video.grab()
-
-    def read(self):
-        self.seen += 1
-        return self.video.read()
-
-    def get(self, what):
-        if what == cv2.CAP_PROP_POS_MSEC:
-            return 700 + 1e3 * sum(STEPS_S[: self.seen])
-        return self.video.get(what)
-
-
-CAPTURE = cv2.VideoCapture
 
 
 @pytest.mark.parametrize("kept", [len(CLIP), 20])
 def test_frames_of_an_uneven_video_have_their_own_times(capsys, tmp_path, monkeypatch, kept):
-    write_video(tmp_path / "c.avi")
-    monkeypatch.setattr(videos.cv2, "VideoCapture", Uneven)
+    durations_ms = [round(1000 * step_s) for step_s in STEPS_S]
+    write_gif(tmp_path / "c.gif", CLIP.frames[..., 0], durations_ms)
     monkeypatch.setattr(policy, "KEPT_BYTES", kept * CLIP.frames[0].nbytes)
-    code, out, err = run(capsys, tmp_path / "c.avi", "--out", tmp_path / "t.csv")
+    code, out, err = run(capsys, tmp_path / "c.gif", "--out", tmp_path / "t.csv")
     rows = list(csv.DictReader((tmp_path / "t.csv").open()))
     times = np.concatenate([[0], np.cumsum(STEPS_S)])[: len(CLIP)]
     assert code == 0

@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import threading
 from contextlib import ExitStack
 
 import cv2
@@ -15,6 +14,8 @@ from geotlm_lm.recordings import streams
 from geotlm_lm.track.tracker import Tracker
 from tests.cli import running
 from tests.cli.recorded_touch import CLIP, saved_touch
+from tests.recordings.fake_camera import FakeCamera
+from tests.recordings.test_read import write_video
 
 
 class Asked:
@@ -151,13 +152,6 @@ def test_a_video_never_replaces_the_recording(capsys, tmp_path, forced):
     assert own.read_bytes() == b"a recording"
 
 
-def test_a_camera_that_does_not_open_ends_with_advice_and_code_7(capsys):
-    code, out, err = run(capsys, "97")
-    assert (code, out) == (7, "")
-    assert err.startswith("Camera 97 does not open (")
-    assert err.count("\n") == 1
-
-
 def test_a_missing_recording_ends_with_code_3_and_leaves_no_folder_behind(capsys, tmp_path):
     drawing = tmp_path / "new" / "out.mp4"
     code, out, err = run(capsys, "gone.avi", "--video", drawing)
@@ -191,11 +185,7 @@ def test_frames_of_224_pixels_are_taken_as_asked(
     if name.endswith(".npz"):
         np.savez(tmp_path / name, frames=np.stack(frames), fps=25.0)
     else:
-        codec = cv2.VideoWriter_fourcc(*"MJPG")
-        writer = cv2.VideoWriter(str(tmp_path / name), codec, 25.0, (224, 224))
-        for one in frames:
-            writer.write(one)
-        writer.release()
+        write_video(tmp_path / name, frames, 25, "MJPG")
     widths, feed = set(), Tracker.feed
 
     def fed(self, frame, *rest):
@@ -207,31 +197,6 @@ def test_frames_of_224_pixels_are_taken_as_asked(
     assert widths == {columns}
 
 
-class Waiting:
-    """A camera whose driver gives some BGR frames, and then none until it is released."""
-
-    def __init__(self, frames):
-        self.left, self.may_go_on = list(frames), threading.Event()
-
-    def isOpened(self):  # noqa: N802
-        return True
-
-    def grab(self):
-        return bool(self.left) or self.may_go_on.wait(60)
-
-    def get(self, name):
-        return 25.0
-
-    def read(self):
-        if not self.left:
-            self.may_go_on.wait(60)
-            return False, None
-        return True, self.left.pop(0)
-
-    def release(self):
-        self.may_go_on.set()
-
-
 @pytest.fixture
 def plugged_in(monkeypatch):
     monkeypatch.setattr(streams, "SILENT_S", 0.01)
@@ -239,8 +204,8 @@ def plugged_in(monkeypatch):
     with ExitStack() as cameras:
 
         def plug_in(frames):
-            camera = Waiting(frames)
-            cameras.callback(camera.may_go_on.set)
+            camera = FakeCamera(frames, waits=True)
+            cameras.callback(camera.release)
             monkeypatch.setattr(cv2, "VideoCapture", lambda *_: camera)
 
         yield plug_in

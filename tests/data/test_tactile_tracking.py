@@ -20,7 +20,8 @@ from geotlm_lm.data.tactile_tracking import (
     sweep_pair_counts,
 )
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from tests.data.tracked_trials import COLUMNS, ROWS, path_of, poses_of, write_trial, write_video
+from tests.data.tracked_trials import COLUMNS, ROWS, path_of, poses_of, write_trial
+from tests.recordings.test_read import write_video
 
 RULE = PairRule(gap_frames=2, least_turn_deg=4.0, least_slide_px=8.0)
 MOTIONS = {
@@ -133,12 +134,7 @@ def test_where_every_frame_is_touched_the_shading_is_fitted(one):
 def test_an_older_releases_video_is_read(one):
     frames = np.zeros((6, ROWS, COLUMNS, 3), np.uint8) + 90
     (one / "key0" / "gelsight.avi").unlink()
-    writer = cv2.VideoWriter(
-        str(one / "key0" / "gelsight.mp4"), cv2.VideoWriter.fourcc(*"mp4v"), 25.0, (COLUMNS, ROWS)
-    )
-    for frame in frames:
-        writer.write(frame)
-    writer.release()
+    write_video(one / "key0" / "gelsight.mp4", frames, code="mp4v")
     assert len(read_tactile_tracking(one).trials) == 1
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.simulation.scene import Body, Optics, Path, Scene
 from geotlm_lm.simulation.simulate import simulate
+from tests.recordings.test_read import write_video
 
 ROWS, COLUMNS = 240, 320
 QUIET = Optics(noise_grey=(0.3, 0.3, 0.3), drift_grey=0.0)
@@ -36,18 +37,9 @@ def write_trial(folder, path, *, body="letter_l", idle=0, light=0.0, seed=3):
     (made,) = simulate([scene], seed=seed)
     folder.mkdir(parents=True)
     frames = [cv2.resize(frame, (COLUMNS, ROWS)) for frame in made.clip.frames]
-    write_video(folder / "gelsight.avi", frames)
+    write_video(folder / "gelsight.avi", frames, 25)
     np.save(folder / "true_start_T_currs.npy", poses_of(path))
     masks = [cv2.resize(grid, (COLUMNS, ROWS)) > 0.3 for grid in made.contact]
     np.save(folder / "contact_masks.npy", np.stack(masks))
     np.save(folder / "gradient_maps.npy", np.zeros((len(frames), ROWS, COLUMNS, 2), np.float32))
     return made
-
-
-def write_video(path, frames):
-    """Write RGB frames without loss."""
-    size = frames[0].shape[1::-1]
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"FFV1"), 25.0, size)
-    for frame in frames:
-        writer.write(cv2.cvtColor(frame, cv2.COLOR_RGB2BGR))
-    writer.release()

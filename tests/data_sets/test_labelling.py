@@ -108,8 +108,8 @@ def test_the_new_data_set_is_the_old_one_with_columns(root, labelled):
     data_set, original = read_data_set(labelled), read_data_set(root)
     assert data_set.episodes == original.episodes
     added = {name: data_set.features[name] for name in NAMES}
-    content = original.info.content
-    assert data_set.info.content == content | {"features": original.features | added}
+    content = original.info
+    assert data_set.info == content | {"features": original.features | added}
     assert set(map(json.dumps, added.values())) == {
         '{"dtype": "float32", "shape": [1], "names": null}'
     }

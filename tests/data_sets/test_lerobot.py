@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from geotlm_lm.core import errors
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip, UsageError
-from geotlm_lm.data_sets import lerobot
 from geotlm_lm.data_sets.lerobot import episode_clip, is_data_set, read_data_set
 from geotlm_lm.recordings import policy
 from tests.data_sets.lerobot_files import CAMERA, FPS, OTHER, turned, write_data_set
@@ -107,7 +107,7 @@ def test_a_video_shorter_than_its_rows_is_refused(root, tmp_path):
 
 @pytest.mark.parametrize("package", ["pyarrow", "av"])
 def test_a_missing_package_is_told_with_its_extra(root, monkeypatch, package):
-    find = lerobot.find_spec
-    monkeypatch.setattr(lerobot, "find_spec", lambda name: None if name == package else find(name))
+    find = errors.find_spec
+    monkeypatch.setattr(errors, "find_spec", lambda name: None if name == package else find(name))
     with pytest.raises(MissingDependency, match=rf"with {package}, .*'geotlm-lm\[lerobot\]'"):
         read_data_set(root)

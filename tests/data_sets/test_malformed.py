@@ -276,7 +276,7 @@ def test_a_planted_bug_keeps_its_trace(root, monkeypatch):
     def planted(*_):
         raise TypeError("planted")
 
-    monkeypatch.setattr("geotlm_lm.data_sets.lerobot.whole_numbers", planted)
+    monkeypatch.setattr("geotlm_lm.data_sets.lerobot.column_of", planted)
     with pytest.raises(TypeError, match="planted"):
         read_data_set(root)
 

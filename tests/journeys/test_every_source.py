@@ -1,6 +1,5 @@
 """One simulated recording as an array, a bag, a data set, a video and a camera: one track."""
 
-import time
 from contextlib import suppress
 
 import cv2
@@ -12,6 +11,7 @@ from geotlm_lm.core.twist import Component
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.streams import open_source
 from geotlm_lm.track.tracker import track_of
+from tests.recordings.fake_camera import FakeCamera
 from tests.track.recordings import there_and_back
 
 CLIP = there_and_back()
@@ -51,36 +51,11 @@ def video(folder):
     return track_of(read_clip(folder / "run.mp4"))
 
 
-class Capture:
-    """A camera of 25 frames a second that shows the recording once."""
-
-    def __init__(self, *_):
-        self.begin_s, self.shown = time.monotonic(), -1
-
-    def isOpened(self):  # noqa: N802
-        return True
-
-    def grab(self):
-        return True
-
-    def get(self, _):
-        return CLIP.fps
-
-    def read(self):
-        self.shown += 1
-        time.sleep(max(self.begin_s + self.shown / CLIP.fps - time.monotonic(), 0))
-        if self.shown >= len(CLIP):
-            return False, None
-        return True, cv2.cvtColor(CLIP.frames[self.shown], cv2.COLOR_RGB2BGR)
-
-    def release(self):
-        pass
-
-
 def camera(_):
     frames = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(cv2, "VideoCapture", Capture)
+        fake = FakeCamera(CLIP.frames[..., ::-1], CLIP.fps, pace=CLIP.fps)
+        patch.setattr(cv2, "VideoCapture", lambda *_: fake)
         with suppress(MissingDependency):  # said when it stops giving frames
             for one in open_source("0"):
                 frames.append((one.image, one.time_s))

@@ -6,7 +6,7 @@ import pytest
 
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS
-from geotlm_lm.data.gold_turns import read_gold_turns
+from geotlm_lm.data.touch_table import read_gold_turns
 from geotlm_lm.recordings.read import read_clip
 from tests.track.stream import (
     BACK,

@@ -7,9 +7,8 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.recordings.listing import declared_bytes
-from geotlm_lm.recordings.read import read_clip
-from tests.recordings.test_read import FRAMES, refusal
+from geotlm_lm.recordings.read import declared_bytes, read_clip
+from tests.recordings.test_read import FRAMES, refusal, write_images, write_video
 
 
 @pytest.mark.parametrize(
@@ -72,15 +71,9 @@ def test_what_a_recording_takes_is_known_before_it_is_read(tmp_path):
     np.save(tmp_path / "clip.npy", frames)
     np.savez_compressed(tmp_path / "clip.npz", frames=frames / np.float64(255))
     (tmp_path / "images").mkdir()
-    for number, frame in enumerate(frames):
-        cv2.imwrite(str(tmp_path / "images" / f"{number}.png"), frame)
+    write_images(tmp_path / "images", frames)
     cv2.imwritemulti(str(tmp_path / "clip.tif"), list(frames))
-    writer = cv2.VideoWriter(
-        str(tmp_path / "clip.avi"), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, (32, 24)
-    )
-    for frame in frames:
-        writer.write(frame)
-    writer.release()
+    write_video(tmp_path / "clip.avi", frames)
     for name in ("clip.npy", "images", "clip.tif", "clip.avi"):
         assert declared_bytes(tmp_path / name) == frames.nbytes
     assert 2 * declared_bytes(tmp_path / "clip.npz") == frames.nbytes * (8 + 1)

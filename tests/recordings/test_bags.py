@@ -12,8 +12,7 @@ from PIL import Image
 from geotlm_lm.core.errors import MissingDependency
 from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.bags import BAG_SUFFIXES, ENCODINGS
-from geotlm_lm.recordings.listing import clips_in
-from geotlm_lm.recordings.read import each_frame, read_clip
+from geotlm_lm.recordings.read import clips_in, each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.bag_files import (
     MCAP,

@@ -6,9 +6,9 @@ import pytest
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.doctor.examine import file_end
-from geotlm_lm.recordings.containers import declared_end
 from geotlm_lm.recordings.read import read_clip
 from geotlm_lm.recordings.streams import open_source
+from geotlm_lm.recordings.video import declared_end
 
 FORMS = [
     (".mkv", "FFV1"),

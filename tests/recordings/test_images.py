@@ -11,8 +11,7 @@ from geotlm_lm.doctor.examine import missing_frames
 from geotlm_lm.recordings import images, policy
 from geotlm_lm.recordings.frame_order import frame_order, natural_order
 from geotlm_lm.recordings.images import read_still_image
-from geotlm_lm.recordings.listing import clips_in, skipped_in
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.read import clips_in, read_clip, skipped_in
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.test_read import colourful, refusal, write_images
 

@@ -12,9 +12,8 @@ from geotlm_lm.core.files import plain_name
 from geotlm_lm.recordings.read import each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
 from tests.recordings.bag_files import MCAP, SQLITE, even_ns, first_bag, raw, raw_bag
-from tests.recordings.test_read import write_images, write_video
+from tests.recordings.test_read import write_gif, write_images, write_video
 from tests.recordings.test_video_forms import FEW
-from tests.recordings.video_forms import write_gif
 
 NAMES = (os.fsdecode(b"m\xe9"), "12:30", "grip#1", "50%41", "which?")
 

@@ -57,24 +57,6 @@ def test_any_array_is_read_or_refused(tmp_path, array):
     read_or_refused(tmp_path / "clip.npy")
 
 
-@given(uint8_frames())
-@drawn
-def test_what_was_saved_is_what_is_read_in_either_layout_and_range(tmp_path, frames):
-    for name, array in {
-        "rows.npy": frames,
-        "colours_first.npy": np.moveaxis(frames, -1, 1),
-        "numbers.npy": frames.astype(np.float64),
-    }.items():
-        (tmp_path / name).write_bytes(stored(array))
-    assert np.array_equal(read_clip(tmp_path / "rows.npy").frames, frames)
-    layout = {"colours_first.npy": "TCHW", "numbers.npy": "THWC"}
-    if frames.max() > 1:  # fewer levels are taken for a range of 0 to 1, as the note says
-        assert all(
-            np.array_equal(read_clip(tmp_path / name, layout=axes).frames, frames)
-            for name, axes in layout.items()
-        )
-
-
 @given(uint8_frames(), st.binary(min_size=1, max_size=30), st.floats(0, 1))
 @drawn
 def test_a_file_with_bytes_written_over_it_is_read_or_refused(tmp_path, frames, junk, where):

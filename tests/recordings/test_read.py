@@ -1,15 +1,21 @@
-"""What is written in any supported form comes back as the same frames, colours in RGB order."""
+"""What is written in any supported form comes back as the same frames, colours in RGB order.
+
+Which recordings a folder holds, and the rate of a recording by the times of its frames.
+"""
 
 import tracemalloc
+from pathlib import Path
 
 import cv2
 import numpy as np
 import pytest
+from PIL import Image
 
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.recordings import arrays, policy
 from geotlm_lm.recordings.pixels import layout_of
-from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.recordings.policy import rate_by, uneven_times_s
+from geotlm_lm.recordings.read import clips_in, read_clip, skipped_in
 
 
 def colourful(count=5, rows=24, columns=32):
@@ -39,6 +45,12 @@ def write_video(path, frames=FRAMES, fps=10, code="FFV1"):
     return path
 
 
+def write_gif(path, frames, durations_ms):
+    first, *others = map(Image.fromarray, frames)
+    first.save(path, save_all=True, append_images=others, duration=durations_ms)
+    return path
+
+
 def levels(count):
     """Frames of one grey level each, told by its number: 0, 10, 20, ..."""
     return [np.full((24, 32, 3), 10 * number, np.uint8) for number in range(count)]
@@ -58,6 +70,7 @@ STORED = {
     "double": FRAMES / 255,
     "half": FRAMES.astype(np.float16),
     "int64": FRAMES.astype(np.int64),
+    "colours first": np.moveaxis(FRAMES, -1, 1),
     "big endian": FRAMES.astype(">u2"),
     "fortran order": np.asfortranarray(FRAMES),
     "16 bits": FRAMES.astype(np.uint16) * 257,
@@ -222,3 +235,83 @@ def test_a_video_that_takes_too_long_is_read_in_part_and_says_so(
     clip = read_clip(path)
     assert clip.frame_numbers == tuple(range(read))
     assert clip.notes[-1] == f"Only the first {read} frames were read; cut the recording."
+
+
+def test_recordings_are_known_files_and_folders_of_images(tmp_path):
+    for name in ("b.npy", "a.MP4", "c.txt", ".hidden.npy"):
+        (tmp_path / name).write_bytes(b"")
+    (tmp_path / "frames").mkdir()
+    (tmp_path / "frames" / "0.png").write_bytes(b"")
+    (tmp_path / "notes").mkdir()
+    assert [one.name for one in clips_in(tmp_path)] == ["a.MP4", "b.npy", "frames"]
+    assert [one.name for one in skipped_in(tmp_path)] == ["c.txt", "notes"]
+
+
+def test_a_folder_that_may_not_be_opened_is_refused(tmp_path, monkeypatch):
+    def refuse(path):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    assert refusal(tmp_path, clips_in) == (
+        "cannot be opened (Permission denied); check its permissions."
+    )
+
+
+KINDS = (
+    ".npy, .npz, .mp4, .m4v, .avi, .mov, .mkv, .webm, .gif, .tif, .tiff, .mcap, .db3, .bag or "
+    "folders of images"
+)
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence"),
+    [
+        ("empty", f"holds no recording, expected {KINDS}; give the folder they lie in."),
+        (
+            "frames",
+            "holds images, which are frames of one recording, expected a folder of recordings: "
+            f"{KINDS}; give the folder that this one lies in.",
+        ),
+        ("nowhere", "no such folder; give the one your recordings lie in."),
+        ("clip.npz", "is a file, expected a folder; give the one your recordings lie in."),
+    ],
+)
+def test_what_is_no_folder_of_recordings_is_refused(tmp_path, name, sentence):
+    (tmp_path / "clip.npz").write_bytes(b"a recording")
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "frames").mkdir()
+    for image in ("0.png", "1.PNG", "notes.txt"):
+        (tmp_path / "frames" / image).write_bytes(b"")
+    assert refusal(tmp_path / name, clips_in) == sentence
+
+
+@pytest.mark.parametrize(
+    ("times_ms", "header_fps"),
+    [
+        (np.delete(np.arange(50) * 40.0, [7, 20]), 25.0),  # two frames were dropped
+        *((np.rint(np.arange(100) * 1000 / fps), fps) for fps in (30.0, 60.0, 240.0, 400.0)),
+        ([0.0] * 9, 25.0),
+    ],
+)
+def test_a_headers_rate_is_kept_where_the_times_are_rounded_or_missing(times_ms, header_fps):
+    assert rate_by(times_ms, header_fps) == (header_fps, ())
+
+
+def test_a_rate_that_changes_is_none():
+    times_ms = np.cumsum(np.r_[np.full(25, 40.0), np.full(25, 200.0)])
+    fps, notes = rate_by(times_ms, 8.3)
+    assert fps is None
+    assert "40 to 200 ms" in notes[0]
+    assert notes[0].endswith("give that of the frames used by fps.")
+
+
+def test_uneven_times_are_kept_from_the_first_frame_on():
+    times_ms = 500 + np.cumsum([0, 40, 40, 200, 40])
+    assert uneven_times_s(times_ms, None) == pytest.approx((0, 0.04, 0.08, 0.28, 0.32))
+    assert uneven_times_s(times_ms, 25.0) != ()
+
+
+def test_even_times_and_none_are_left_to_the_rate():
+    assert uneven_times_s(np.rint(np.arange(100) * 1000 / 30), 30.0) == ()
+    assert uneven_times_s([0.0] * 9, 25.0) == ()
+    assert uneven_times_s([0.0, 40.0, 20.0, 60.0], 25.0) == ()

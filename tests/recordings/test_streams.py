@@ -1,7 +1,6 @@
 """Where frames come from; what is late is dropped and counted, what does not open is told."""
 
 import threading
-import time
 
 import cv2
 import numpy as np
@@ -11,17 +10,14 @@ from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.recordings import policy, streams
 from geotlm_lm.recordings.policy import Source, SourceFrame
 from geotlm_lm.recordings.streams import LatestFrames, Recording, StreamFrame, open_source
+from tests.recordings.fake_camera import FakeCamera
+from tests.recordings.test_read import levels, write_video
 
 
 @pytest.fixture
 def film(tmp_path):
     """A lossless video of 9 frames at 20 per second, frame k of grey level 10 k."""
-    path = tmp_path / "film.avi"
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"FFV1"), 20.0, (32, 24))
-    for number in range(9):
-        writer.write(np.full((24, 32, 3), 10 * number, np.uint8))
-    writer.release()
-    return path
+    return write_video(tmp_path / "film.avi", levels(9), 20)
 
 
 def test_a_recording_gives_every_frame_with_its_time(film):
@@ -100,38 +96,14 @@ def test_frames_of_a_video_have_their_own_times_and_these_its_rate(film, monkeyp
     assert [frame.time_s for frame in given][-1] == pytest.approx(0.6)
 
 
-class FakeCapture:
-    """A camera of a few frames, BGR, that then stops, or whose driver fails."""
-
-    def __init__(self, count=3, error=None):
-        self.left, self.error = count, error
-
-    def isOpened(self):  # noqa: N802
-        return True
-
-    def grab(self):
-        return True
-
-    def get(self, name):
-        return 30.0
-
-    def read(self):
-        time.sleep(0.01)
-        self.left -= 1
-        if self.left < 0 and self.error is not None:
-            raise self.error
-        return self.left >= 0, np.full((24, 32, 3), (10, 20, 30), np.uint8)
-
-    def release(self):
-        pass
-
-
 @pytest.fixture
 def camera(monkeypatch):
     """Return what makes the camera 0 one of some frames."""
 
-    def plug(*options):
-        monkeypatch.setattr(cv2, "VideoCapture", lambda *source: FakeCapture(*options))
+    def plug(count, error=None):
+        frames = np.full((count, 24, 32, 3), (10, 20, 30), np.uint8)
+        fake = FakeCamera(frames, 30.0, pace=100, error=error)
+        monkeypatch.setattr(cv2, "VideoCapture", lambda *source: fake)
         return open_source("0")
 
     return plug

@@ -1,5 +1,7 @@
 """Forms of video: GIF, AV1, pixels that are not square, pictures that a file states as turned."""
 
+import os
+import struct
 import sys
 from fractions import Fraction
 
@@ -11,18 +13,42 @@ from PIL import Image
 from geotlm_lm.core.errors import MissingDependency, UnreadableClip
 from geotlm_lm.doctor.examine import mount
 from geotlm_lm.recordings import policy
-from geotlm_lm.recordings.listing import clips_in
-from geotlm_lm.recordings.read import each_frame, read_clip
+from geotlm_lm.recordings.read import clips_in, each_frame, read_clip
 from geotlm_lm.recordings.streams import open_source
-from tests.recordings.test_read import FRAMES
+from tests.recordings.test_read import FRAMES, write_gif
 
-pytest.importorskip("av", reason="needs the extra `lerobot`")
+av = pytest.importorskip("av", reason="needs the extra `lerobot`")
 
-from tests.recordings.video_forms import (  # noqa: E402
-    turned,
-    write_av,
-    write_gif,
-)
+QUARTERS = {90: (0, 1, -1, 0), 180: (-1, 0, 0, -1), 270: (0, -1, 1, 0)}
+"""Degrees clockwise -> the matrix that an .mp4 states."""
+
+
+def write_av(path, frames, codec="libsvtav1", fps=10, aspect=None):
+    """Write frames by PyAV, with the width of a pixel over its height where it is given."""
+    with av.open(str(path), "w") as container:
+        stream = container.add_stream(codec, rate=fps)
+        stream.height, stream.width = frames[0].shape[:2]
+        stream.pix_fmt = "yuv420p"
+        if aspect is not None:
+            stream.codec_context.sample_aspect_ratio = aspect
+        for frame in frames:
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(frame, format="rgb24")))
+        container.mux(stream.encode(None))
+    if codec == "libsvtav1" and hasattr(os, "sched_setscheduler"):
+        # Run by root, its encoder leaves this process, and all it starts, at real-time priority.
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    return path
+
+
+def turned(path, degrees):
+    """State in an .mp4 that its pictures are to be turned clockwise."""
+    stored = bytearray(path.read_bytes())
+    at = stored.index(b"tkhd") + 44
+    across, down, over, under = (value << 16 for value in QUARTERS[degrees])
+    stored[at : at + 36] = struct.pack(">9i", across, down, 0, over, under, 0, 0, 0, 1 << 30)
+    path.write_bytes(stored)
+    return path
+
 
 CORNERED = np.full((6, 48, 64, 3), 90, np.uint8)
 """Frames with a red corner at the upper left."""

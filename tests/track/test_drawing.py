@@ -9,10 +9,16 @@ import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
 from geotlm_lm.recordings.read import read_clip
-from geotlm_lm.track import export, film
-from geotlm_lm.track.drawing import drawing_of
+from geotlm_lm.track import drawing
+from geotlm_lm.track.drawing import (
+    CAPTION_ROWS,
+    DIAL_MARGIN,
+    DIAL_PX,
+    draw_mark,
+    drawing_of,
+    write_film,
+)
 from geotlm_lm.track.export import Exported
-from geotlm_lm.track.film import CAPTION_ROWS, DIAL_MARGIN, DIAL_PX, draw_mark, write_film
 from geotlm_lm.track.rerun_log import log_answer, log_clip, log_track, rerun_recording
 from geotlm_lm.track.tracker import track_of
 from tests.data_sets.lerobot_files import turned
@@ -113,7 +119,7 @@ WRITER = cv2.VideoWriter
 def test_a_film_that_is_cut_off_is_an_error_and_what_was_there_before_stays(tmp_path, monkeypatch):
     path = tmp_path / "seen.mp4"
     path.write_bytes(b"an earlier film")
-    monkeypatch.setattr(film.cv2, "VideoWriter", FullDisk)
+    monkeypatch.setattr(drawing.cv2, "VideoWriter", FullDisk)
     with pytest.raises(UsageError) as caught:
         write_film(path, exported(), FRAMES, 25.0)
     assert str(caught.value) == (
@@ -200,7 +206,7 @@ def test_an_error_leaves_no_rerun_recording(tmp_path):
 
 
 def test_without_rerun_the_extra_is_named(tmp_path, monkeypatch):
-    monkeypatch.setattr(export, "find_spec", lambda name: None)
+    monkeypatch.setattr("geotlm_lm.core.errors.find_spec", lambda name: None)
     with (
         pytest.raises(MissingDependency, match=r"with rerun, .*'geotlm-lm\[rerun\]'"),
         rerun_recording(tmp_path / "out.rrd"),
