@@ -82,8 +82,8 @@ def batch(
     require_replaceable(out)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
+    from geotlm_lm.answering.answerer import loaded
     from geotlm_lm.answering.batch import answer_all
-    from geotlm_lm.answering.loaded import loaded
     from geotlm_lm.cli.progress import progress_on_stderr
 
     result = answer_all(

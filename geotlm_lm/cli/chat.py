@@ -122,7 +122,7 @@ class Conversation:
     def _stated(self, facts: str) -> FrameSpec:
         """Return the frame in which some facts hold as well."""
         from geotlm_lm.answering.understanding import understand
-        from geotlm_lm.query.facts import with_facts
+        from geotlm_lm.query.evaluate import with_facts
 
         understood = understand(self.answerer.bundle.reader, facts)
         if understood.ask_back is not None:
@@ -148,7 +148,7 @@ class Conversation:
         print(f"note: told {reasons.source}", file=sys.stderr)
 
     def _evidence(self, _: str) -> None:
-        from geotlm_lm.answering.evidence_of import regions_of
+        from geotlm_lm.answering.encoded import regions_of
 
         print(json.dumps(regions_of(self.session.encoded)))
 

@@ -18,7 +18,7 @@ from typing import IO, Any
 import numpy as np
 
 from geotlm_lm import __version__
-from geotlm_lm.answering.loaded import loaded
+from geotlm_lm.answering.answerer import loaded
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.files import move_into_place
 from geotlm_lm.core.process import Progress, silent, uninterrupted_step
