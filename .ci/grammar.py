@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from itertools import islice
 
 from geotlm_lm.benchmarks.reading import primitive_of
-from geotlm_lm.query.grammar import SPLITS, Pair, grammar
 from geotlm_lm.query.lines import PROGRAM_WORDS
+from geotlm_lm.training.grammar import SPLITS, Pair, grammar
 
 
 @dataclass(frozen=True)

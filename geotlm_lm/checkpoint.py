@@ -25,14 +25,13 @@ from geotlm_lm.backbone.vit import FrozenBackbone, ViT, ViTConfig
 from geotlm_lm.backbone.weights import without_prefix
 from geotlm_lm.core.errors import IncompatibleBundle, first_line
 from geotlm_lm.core.files import replacing, resource_dir, write_text_atomically
-from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
-from geotlm_lm.query.reader import Reader
-from geotlm_lm.query.speaker import Speaker
+from geotlm_lm.query.reader import Reader, Speaker
 
 BUNDLE_FORMAT = 12
 CONFIG_FILE = "config.json"
@@ -66,10 +65,6 @@ class Calibration:
         scaled = np.asarray(log_likelihoods, dtype=np.float64) / (self.felt_temperature * doubt)
         likelihoods = np.exp(scaled - scaled.max(axis=-1, keepdims=True))
         return likelihoods / likelihoods.sum(axis=-1, keepdims=True)
-
-    def withholds(self, claim: Motion | None, contact_share: float) -> bool:
-        """Tell whether a direction is claimed of a clip that shows too little contact for one."""
-        return claim in DIRECTED and contact_share < self.contact_threshold
 
 
 @dataclass(eq=False)

@@ -17,8 +17,7 @@ from geotlm_lm.motion.measured import measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
-from geotlm_lm.query.reader import Reader
-from geotlm_lm.query.spelling import Spelling
+from geotlm_lm.query.reader import Reader, Spelling
 
 WIDTH = 12
 

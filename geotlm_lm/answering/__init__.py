@@ -4,10 +4,9 @@ A question is read into a `Program`, evaluated exactly on what is believed of th
 """
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
-from geotlm_lm.answering.answerer import CAMERA, Answerer
+from geotlm_lm.answering.answerer import CAMERA, Answerer, Session, Turn
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.session import Session, Turn
-from geotlm_lm.answering.withholding import LEAST_SURE
+from geotlm_lm.answering.understanding import LEAST_SURE
 
 __all__ = [
     "CAMERA",

@@ -2,29 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 from geotlm_lm.answering.answer import Answer, Comparison, Why
-from geotlm_lm.answering.argument_checks import require_answer, require_encoded, require_frame
-from geotlm_lm.answering.asked import Asked
-from geotlm_lm.answering.belief_of_clip import belief_of, prefix_of
-from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.encoded import Encoded, require
 from geotlm_lm.answering.monitor import Condition, Monitor, condition_of
 from geotlm_lm.answering.perceiving import (
+    belief_of,
     perceive_clip,
     perceive_recording,
+    prefix_of,
     track_recording,
     tracker_of,
     with_found_idle,
-    with_idle_of,
 )
-from geotlm_lm.answering.pipeline import compared, respond
+from geotlm_lm.answering.pipeline import answer, compared
 from geotlm_lm.answering.reasons import own_view, reasoning_steps
-from geotlm_lm.answering.session import Session
-from geotlm_lm.answering.understanding import understand
+from geotlm_lm.answering.understanding import Asked, Understood, understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -33,6 +30,8 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.language.size import SLOTS
+from geotlm_lm.query.phrases import unit_phrase
+from geotlm_lm.query.program import Program, asks_of_two, head_of, type_of
 from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.recordings.scene_checks import scene_of
@@ -90,7 +89,8 @@ class Answerer:
         require_motion(clip)
         inside = clip if span is None else frames_inside(clip, span)
         if len(inside) <= FRAME_COUNT:
-            inside = inside if span is None else with_idle_of(inside, clip)
+            if span is not None:
+                inside = replace(inside, background=with_found_idle(clip).background)
             return perceive_clip(self.bundle, inside)
         require_any_legible(inside)  # before it is followed, which takes long
         scene = scene_of(clip) if track is None else track.scene
@@ -135,7 +135,7 @@ class Answerer:
         Raises:
             UsageError: If it is not surely understood, is no yes or no, or could never be told.
         """
-        require_frame(frame)
+        require(frame, FrameSpec)
         return condition_of(self.bundle, text, frame, is_negated=is_negated)
 
     def monitor(
@@ -171,7 +171,7 @@ class Answerer:
 
         One that somebody else has perceived has neither.
         """
-        require_encoded(encoded)
+        require(encoded, Encoded)
         if encoded.believe is None:
             encoded = replace(encoded, believe=partial(belief_of, self.bundle))
         if encoded.prefix_by is None:
@@ -201,8 +201,9 @@ class Answerer:
             TypeError: If the clip is not encoded, the question no text, or the frame none.
         """
         encoded = self.believing(encoded)
-        require_frame(frame)
-        return respond(Asked(self.bundle, (encoded,), frame), check_question(question))
+        require(frame, FrameSpec)
+        asked = Asked(self.bundle, (encoded,), frame)
+        return answer(asked, understand(self.bundle.reader, check_question(question), None, asked))
 
     def compare(
         self,
@@ -220,7 +221,7 @@ class Answerer:
             UsageError: If the question is empty or too long.
             TypeError: If a clip is not encoded, the question no text, or the frame none.
         """
-        require_frame(frame)
+        require(frame, FrameSpec)
         asked = Asked(self.bundle, (self.believing(first), self.believing(second)), frame)
         typed = check_question(question)
         return compared(asked, understand(self.bundle.reader, typed, None, asked))
@@ -232,7 +233,7 @@ class Answerer:
             TypeError: If the clip is not encoded, or the answer is none about one clip.
         """
         encoded = self.believing(encoded)
-        require_answer(answer)
+        require(answer, Answer)
         motion = answer.in_the_image
         is_as_seen = answer.edit == Edit()
         place, *steps, conclusion = reasoning_steps(
@@ -259,9 +260,181 @@ class Answerer:
         return [own_view(shares, sentence, is_same=is_same)]
 
 
+Reply = Answer | Comparison
+_ASIDE = ("fact", "talk")
+"""Kinds of answers that are about no clip."""
+
+
+@dataclass(frozen=True)
+class Turn:
+    """One question and its answer.
+
+    Args:
+        question: As it was asked.
+        answer: What was said to it.
+        frame: The frame of reference before it.
+        encoded: The clip that questions were about; None where it has grown and others were asked
+            since, of which each would keep its own frames.
+        before: What was asked before it.
+        named: The point of view that had been named by then.
+        place: Of the clip in the conversation, from 0.
+    """
+
+    question: str
+    answer: Reply
+    frame: FrameSpec
+    encoded: Encoded | None
+    before: Program
+    named: str | None
+    place: int
+
+
+class Session:
+    """A conversation.
+
+    Args:
+        answerer: The model.
+        encoded: The clip it begins with.
+        frame: The frame of reference it begins with.
+
+    Raises:
+        TypeError: If the clip is not encoded, or the frame is none.
+    """
+
+    def __init__(self, answerer: Answerer, encoded: Encoded, frame: FrameSpec) -> None:
+        require(encoded, Encoded)
+        require(frame, FrameSpec)
+        self.answerer = answerer
+        self.clips = [answerer.believing(encoded)]
+        self.frame = frame
+        self.history: list[Turn] = []
+        self._before = Program()
+        self._named: str | None = None
+
+    @property
+    def encoded(self) -> Encoded:
+        """The clip that questions are about: the last one given."""
+        return self.clips[-1]
+
+    @property
+    def last(self) -> Reply | None:
+        """The last answer about a clip: neither talk nor a fact."""
+        turn = self._last_turn
+        return None if turn is None else turn.answer
+
+    @property
+    def _last_turn(self) -> Turn | None:
+        return next(
+            (turn for turn in reversed(self.history) if turn.answer.kind not in _ASIDE), None
+        )
+
+    def add_clip(self, encoded: Encoded) -> None:
+        """Make another clip the one that questions are about; comparisons look back at the last.
+
+        The size of a pixel that was told holds for frames of the same size only, a frame rate for
+        clips whose files tell none.
+
+        Raises:
+            TypeError: If it is not encoded.
+        """
+        require(encoded, Encoded)
+        if encoded.clip.frames.shape[1:3] != self.encoded.clip.frames.shape[1:3]:
+            self.frame = replace(self.frame, mm_per_px=None)
+        if encoded.clip.fps is not None:
+            self.frame = replace(self.frame, rate_hz=None)
+        self.clips.append(self.answerer.believing(encoded))
+        self._named = None
+
+    def grow(self, encoded: Encoded) -> None:
+        """Take a clip for the last one with more frames, as of a camera that goes on.
+
+        What refers to the last answer ("are you sure?") is about what was seen by then.
+
+        Raises:
+            TypeError: If it is not encoded.
+        """
+        require(encoded, Encoded)
+        self.clips[-1] = self.answerer.believing(encoded)
+        last = self._last_turn
+        self.history = [
+            turn if turn is last else replace(turn, encoded=None) for turn in self.history
+        ]
+
+    def ask(self, question: str) -> Reply:
+        """Answer the next question.
+
+        Args:
+            question: In English, or a fact about the recording.
+
+        Raises:
+            UsageError: If the question is empty or too long.
+        """
+        typed = check_question(question)
+        clips = tuple(self.clips[-2:])
+        asked = Asked(self.answerer.bundle, clips, self.frame, self._named)
+        understood = understand(asked.bundle.reader, typed, self._before, asked)
+        about_last = self._about_last(understood)
+        if about_last is not None:
+            reply: Reply = about_last
+        elif len(clips) == 2 and any(map(asks_of_two, understood.program.answers)):
+            reply = compared(asked, understood)
+        else:
+            reply = answer(asked, understood)
+        place = len(self.clips) - 1
+        turn = Turn(typed, reply, self.frame, self.encoded, self._before, self._named, place)
+        self.history.append(turn)
+        if isinstance(reply, Answer):
+            self._named = reply.point_of_view or self._named
+        if understood.ask_back is None:
+            self.frame = asked.frame_after(understood.program)
+            # "Thanks" and "why?" are nothing that a follow-up leans on.
+            if any(type_of(head_of(each)) != "talk" for each in understood.program.answers):
+                self._before = understood.program
+        return reply
+
+    def _about_last(self, understood: Understood) -> Answer | None:
+        """Return what is told of the last answer about this clip: how sure, how near, and why."""
+        turn = self._last_turn
+        if turn is None or turn.place != len(self.clips) - 1 or understood.ask_back is not None:
+            return None
+        last, asked = turn.answer, understood.program.answers
+        if not isinstance(last, Answer) or len(asked) != 1 or understood.program.form != "sentence":
+            return None
+        word = asked[0].word
+        if word == "why":
+            text = " ".join(self.answerer.why(turn.encoded or self.encoded, last).steps)
+        elif word == "sure-amount" and last.amount is not None:
+            low, high = last.amount.span
+            text = f"Nine times in ten it is {low:g} to {high:g}{unit_phrase(last.amount)}."
+        elif word in ("sure", "sure-amount"):
+            inside = f"{last.text[:1].lower()}{last.text[1:]}"
+            text = last.text if last.abstained else f"About {last.confidence:.0%}: {inside}"
+        else:
+            return None
+        return replace(last, text=text, kind="talk", query=understood.line)
+
+    def take_back(self, question: str) -> None:
+        """Forget the last turn, if this was its question, and what it said about the frame."""
+        if self.history and self.history[-1].question == check_question(question):
+            turn = self.history.pop()
+            self.frame, self._before, self._named = turn.frame, turn.before, turn.named
+
+    def to_dict(self) -> list[dict[str, Any]]:
+        """Return the turns as plain JSON values."""
+        return [
+            {"question": turn.question, "answer": turn.answer.to_dict()} for turn in self.history
+        ]
+
+
 def _require_clip(clip: object, what: str) -> None:
     if not isinstance(clip, Clip):
         raise TypeError(
             f"{what} takes a Clip, found {type(clip).__name__}; read a file by "
             f"read_clip(path), or make one of an array by Clip(frames)"
         )
+
+
+@lru_cache(maxsize=1)
+def loaded(model: Path | None) -> Answerer:
+    """Return the answerer of a bundle; arguments and errors are those of `Answerer.load`."""
+    return Answerer.load(model)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from geotlm_lm.answering.schema import answer_schema
+from geotlm_lm.answering.answer import answer_schema
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.files import replacing
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -150,29 +150,25 @@ def answer_all(
 def _rows(
     load: Callable[[], Answerer], questions: Sequence[str], frame: FrameSpec, clip: Source
 ) -> list[Row]:
-    return list(rows_of(load(), clip, questions, frame))
-
-
-def _lost_rows(questions: Sequence[str], clip: Source) -> list[Row]:
-    return [_row(clip, question, error=f"{clip.name}: {LOST}") for question in questions]
-
-
-def rows_of(
-    answerer: Answerer, clip: Source, questions: Sequence[str], frame: FrameSpec = CAMERA
-) -> Iterator[Row]:
-    """Yield the rows of one clip, which is encoded once."""
+    """Return the rows of one clip, which is encoded once."""
+    answerer = load()
     try:
         encoded = answerer.encode(clip.read())
     except GeoTLMError as error:
-        yield from (_row(clip, question, error=str(error)) for question in questions)
-        return
+        return [_row(clip, question, error=str(error)) for question in questions]
+    rows = []
     for question in questions:
         try:
             answer = answerer.ask(encoded, question, frame=frame).to_dict()
         except GeoTLMError as error:
-            yield _row(clip, question, error=str(error))
+            rows.append(_row(clip, question, error=str(error)))
         else:
-            yield _row(clip, question, answer)
+            rows.append(_row(clip, question, answer))
+    return rows
+
+
+def _lost_rows(questions: Sequence[str], clip: Source) -> list[Row]:
+    return [_row(clip, question, error=f"{clip.name}: {LOST}") for question in questions]
 
 
 def _row(

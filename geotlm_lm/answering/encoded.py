@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.model import Perception, contact_centre
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.speaker import TactilePrefix
+from geotlm_lm.query.evaluate import ContactArea, Evidence
+from geotlm_lm.query.reader import TactilePrefix
+from geotlm_lm.query.values import Recording
+from geotlm_lm.query.worlds import worlds_of_clip, worlds_of_track
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track.track import Track
 
@@ -127,6 +133,26 @@ class Encoded:
         return float(self.perception.geometry.region_mass[0, REGIONS.index("global")])
 
 
+_EXPECTED = {
+    "Encoded": "an encoded clip was expected, found {}; encode it first, by "
+    "answerer.encode(read_clip(path)) or answerer.encode(Clip(frames))",
+    "FrameSpec": "a frame is a FrameSpec, found {}; give for example FrameSpec(viewpoint='object'),"
+    " or leave it out",
+    "Answer": "reasons are given for an Answer, found {}; pass on what "
+    "answerer.ask(encoded, question) returns",
+}
+
+
+def require(argument: object, kind: type) -> None:
+    """Refuse an argument of another kind in one clear sentence.
+
+    Raises:
+        TypeError: If it is of another kind.
+    """
+    if not isinstance(argument, kind):
+        raise TypeError(_EXPECTED[kind.__name__].format(type(argument).__name__))
+
+
 def with_background(clip: Clip) -> Clip:
     """Return a clip beside its idle gel, estimated where it is not known."""
     if clip.background is None:
@@ -134,3 +160,51 @@ def with_background(clip: Clip) -> Clip:
             "Background: estimated from the frames; give an idle frame for a surer answer."
         )
     return clip
+
+
+def evidence_of(encoded: Encoded, seed: int = 0) -> Evidence:
+    """Return what answers about a clip rest on.
+
+    Args:
+        encoded: The clip.
+        seed: Of its possible worlds; clips that are compared have different ones.
+    """
+    track = encoded.track
+    belief = encoded.belief
+    worlds = worlds_of_clip(belief, seed) if track is None else worlds_of_track(track, belief, seed)
+    return Evidence(worlds, recording_of(encoded), _area(encoded))
+
+
+def recording_of(encoded: Encoded) -> Recording:
+    """Return the facts about the file that a clip is of."""
+    clip, track = encoded.clip, encoded.track
+    rows, columns = clip.frames.shape[1:3]
+    step_s = None
+    if track is not None:
+        step_s = float(np.median(np.diff(track.times_s)) / np.median(np.diff(track.numbers)))
+    return Recording(
+        columns=columns,
+        rows=rows,
+        rate_hz=clip.fps,
+        frames=clip.recorded_frames,
+        duration_s=clip.recorded_s,
+        is_uneven=bool(clip.times_s),
+        used=clip.frame_numbers,
+        step_s=step_s,
+    )
+
+
+def regions_of(encoded: Encoded) -> dict[str, Any]:
+    """Return the geometry an answer rests on, as plain values that are the caller's own."""
+    return deepcopy(encoded.regions)
+
+
+def _area(encoded: Encoded) -> ContactArea | None:
+    """Return where the image is touched; None where nothing touches, or the grid is no square."""
+    view, centre = encoded.view, encoded.regions["contact_centre_px"]
+    if view is None or centre is None:
+        return None
+    rows, columns = encoded.clip.frames.shape[1:3]
+    picture = view.picture_height_px * view.picture_width_px
+    share = min(encoded.regions["contact_share"] * view.side_px**2 / picture, 1.0)
+    return ContactArea(centre[0] / columns, centre[1] / rows, share)

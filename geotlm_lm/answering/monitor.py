@@ -26,10 +26,9 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.answers import answer, chance_of
-from geotlm_lm.query.evaluate import Context, Evidence, Untold
-from geotlm_lm.query.facts import with_facts
+from geotlm_lm.query.evaluate import Context, Evidence, Untold, with_facts
+from geotlm_lm.query.phrases import replies, restated
 from geotlm_lm.query.program import (
     GOING,
     Expression,
@@ -40,10 +39,8 @@ from geotlm_lm.query.program import (
     type_of,
     words_of,
 )
-from geotlm_lm.query.replies import replies
-from geotlm_lm.query.restated import restated
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.values import Unknown
+from geotlm_lm.query.values import Recording, Unknown
 from geotlm_lm.query.worlds import with_own_motion, worlds_of_track
 from geotlm_lm.query.written import worded
 from geotlm_lm.recordings.streams import open_source

@@ -5,25 +5,91 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 from functools import partial
+from math import inf
 
 import numpy as np
+import torch
+from torch import Tensor
 
 from geotlm_lm.alignment.dots import activity_grey, is_marked
-from geotlm_lm.answering.belief_of_clip import belief_of, prefix_of
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
-from geotlm_lm.motion.belief import Belief
+from geotlm_lm.core.twist import WAYS, Component
+from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
+from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.query.reader import TactilePrefix
 from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.scene_checks import SceneReport, scene_of
-from geotlm_lm.recordings.touch import UNTOUCHED_GREY, change_from_idle, is_static
-from geotlm_lm.track.block import believer
+from geotlm_lm.recordings.touch import (
+    UNTOUCHED_GREY,
+    UNTOUCHED_PROBABILITY,
+    change_from_idle,
+    is_static,
+)
+from geotlm_lm.track.block import believed, believer
 from geotlm_lm.track.summed import Whole, belief_of_track
 from geotlm_lm.track.track import Track, window_of
 from geotlm_lm.track.tracker import Tracker, gel_of, track_of
+
+CLEAR = 10.0
+"""Path over its limit from which on nothing that grows feigns it."""
+
+
+def belief_of(bundle: Bundle, encoded: Encoded) -> Belief:
+    """Return what is believed of a clip, given its perception.
+
+    What is faint or cut off is believed with a wider spread, and less surely. A contact that grows
+    may look as if it turned or slid: where it is pressed and either of these is not far beyond its
+    limit, the clip is perceived once more, played backwards, and what does not turn round with it
+    is not believed.
+    """
+    belief = _first_belief(bundle, encoded)
+    moving = [part for part in (Component.TURN, Component.SLIDE) if belief.moves(part) >= 0.5]
+    doubtful = [part for part in moving if belief.path(part) < CLEAR * belief.limits.get(part, inf)]
+    # Where contact is not known, nor is whether it is pressed.
+    is_pressed = belief.moves(Component.PRESS) >= 0.5 or not encoded.is_contact_known
+    if not (doubtful and is_pressed):
+        return belief
+    started, clip = time.perf_counter(), encoded.clip.reversed()
+    backwards = replace(encoded, clip=clip, perception=bundle.model.perceive([clip]))
+    belief = kept_from_zero(fused(belief, _first_belief(bundle, backwards)))
+    encoded.timing_ms["backwards"] = 1e3 * (time.perf_counter() - started)
+    return belief
+
+
+def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
+    """Return what is believed of a clip seen once, and of contact by what the pictures tell too."""
+    belief = believed(bundle.motion, encoded.clip, encoded.perception, encoded.doubt)
+    if not encoded.is_contact_known:  # a press looks like a release then
+        ways = belief.ways | dict.fromkeys(WAYS[Component.PRESS], 0.0)
+        return replace(belief, ways=ways, is_contact_known=False)
+    touched = _contact(belief.contact, encoded)
+    ways = {way: share * touched for way, share in belief.ways.items()}
+    return replace(belief, ways=ways, contact=touched)
+
+
+def reading(encoded: Encoded) -> Tensor:
+    """Return what the language model reads of a clip: z, then what is believed, (width,)."""
+    token = encoded.perception.fused_token[0].float()
+    numbers = encoded.belief.numbers or (0.0,) * BELIEF_NUMBERS
+    return torch.cat([token, torch.tensor(numbers, dtype=token.dtype)])
+
+
+def prefix_of(bundle: Bundle, encoded: Encoded) -> TactilePrefix:
+    """Return how the language model sees a clip."""
+    return bundle.speaker.prefix(reading(encoded).numpy())
+
+
+def _contact(believed: float, encoded: Encoded) -> float:
+    """Return how probable it is that something touches, by what is told and by the pictures."""
+    if encoded.is_untouched:
+        return 1 - UNTOUCHED_PROBABILITY
+    return max(believed, UNTOUCHED_PROBABILITY) if encoded.is_changed else believed
+
 
 CUT_OFF_NOTE = "The border of the image cuts the imprint off: answers are less sure."
 
@@ -59,7 +125,8 @@ def perceive_clip(bundle: Bundle, clip: Clip, scene: SceneReport | None = None) 
     if cut_off:
         clip = clip.with_note(CUT_OFF_NOTE)
     # Of what is not there, noise decides which motion it looks like: leave the noise out.
-    perception = bundle.model.perceive([_at_rest(clip) if untouched else clip])
+    frames = np.stack([clip.background] * len(clip)) if untouched else clip.frames
+    perception = bundle.model.perceive([replace(clip, frames=frames)])
     done = time.perf_counter()
     timing = {
         "choose": 1e3 * (chosen - started),
@@ -134,7 +201,7 @@ def perceive_recording(
         UsageError: As of `Track.between`.
     """
     started = time.perf_counter()
-    clip = with_idle(clip)
+    clip = with_background(with_found_idle(clip))
     part = track if span is None else track.between(*span)
     # Not every frame that was tracked need be kept: the nearest shows the same.
     away = np.abs(np.subtract.outer(part.numbers[list(window_of(part))], clip.frame_numbers))
@@ -153,16 +220,6 @@ def perceive_recording(
         believe=partial(_belief, bundle, part, window),
         prefix_by=partial(prefix_of, bundle),
     )
-
-
-def with_idle_of(part: Clip, recording: Clip) -> Clip:
-    """Return frames of a recording beside its idle gel, where that is known or to be found."""
-    return replace(part, background=with_found_idle(recording).background)
-
-
-def with_idle(clip: Clip) -> Clip:
-    """Return a recording beside its idle gel: given, found where nothing touches, or guessed."""
-    return with_background(with_found_idle(clip))
 
 
 def with_found_idle(clip: Clip) -> Clip:
@@ -194,7 +251,3 @@ def _nothing_seen(change_grey: float) -> str:
         f"No frame differs from the idle gel by more than {change_grey:.1f} grey levels; a touch "
         f"fainter than {UNTOUCHED_GREY:g} is not seen."
     )
-
-
-def _at_rest(clip: Clip) -> Clip:
-    return replace(clip, frames=np.stack([clip.background] * len(clip)))

@@ -12,27 +12,37 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from geotlm_lm.answering.answer import Answer, Comparison
-from geotlm_lm.answering.asked import Asked
-from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.evidence_of import regions_of
-from geotlm_lm.answering.measured_motion import MeasuredMotion
-from geotlm_lm.answering.understanding import Understood, understand
-from geotlm_lm.answering.withholding import LEAST_SURE, is_guess, looked_at
+from geotlm_lm.answering.answer import Answer, Comparison, MeasuredMotion
+from geotlm_lm.answering.encoded import Encoded, regions_of
+from geotlm_lm.answering.reasons import contact_steps
+from geotlm_lm.answering.understanding import (
+    LEAST_SURE,
+    Asked,
+    Understood,
+    is_guess,
+    looked_at,
+)
 from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import WAYS
-from geotlm_lm.query.amounts import Measure, Recording
-from geotlm_lm.query.evaluate import Evidence
-from geotlm_lm.query.facts import with_facts
-from geotlm_lm.query.phrases import label_of
+from geotlm_lm.query.evaluate import Evidence, with_facts
+from geotlm_lm.query.phrases import facts_phrase, is_plain, label_of, replies, restated
 from geotlm_lm.query.program import Program, head_of, of, type_of
-from geotlm_lm.query.replies import replies
-from geotlm_lm.query.restated import facts_phrase, is_plain, restated
 from geotlm_lm.query.telling import Teller, Wording
-from geotlm_lm.query.values import Amount, Choice, Moved, Record, Remark, Truth, Unknown, Value
+from geotlm_lm.query.values import (
+    Amount,
+    Choice,
+    Measure,
+    Moved,
+    Record,
+    Recording,
+    Remark,
+    Truth,
+    Unknown,
+    Value,
+)
 from geotlm_lm.query.written import decided, guessed, worded
 
 PLAIN = 0.5
@@ -46,24 +56,6 @@ SILENT = ("cannot", "not-understood", "talk", "help")
 
 TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets")
 """Forms that programs read."""
-
-
-def respond(asked: Asked, question: str, before: Program | None = None) -> Answer:
-    """Answer a question.
-
-    Args:
-        asked: About what.
-        question: As it was typed.
-        before: What was asked last.
-
-    Raises:
-        UsageError: If the question is empty or too long.
-    """
-    understood = understand(asked.bundle.reader, question, before, asked)
-    return answer(asked, understood)
-
-
-# Tell
 
 
 def answer(asked: Asked, understood: Understood) -> Answer:
@@ -127,24 +119,20 @@ def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> W
 def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     """Word what everything that is asked comes to, and tell how sure and of what it is."""
     program, evidence = understood.program, asked.evidence[-1]
-    answer_words = worded_values(asked, program, understood.probability)
-    values, teller, sure, text = (
-        answer_words.values,
-        answer_words.teller,
-        answer_words.sure,
-        answer_words.wording.text,
-    )
+    words = worded_values(asked, program, understood.probability)
+    values, teller, sure, text = words.values, words.teller, words.sure, words.wording.text
     is_own = partial(asked.says, understood.question, understood.written, text)
     is_talk = all(isinstance(each, Remark) for each in values)
     if head_of(program.answers[0]).word in ("why", "why-of"):
-        text = " ".join([*evidence.reasons, f"Therefore: {text[:1].lower()}{text[1:]}"])
-    guesses = answer_words.guesses
-    chance = min(each.probability for each in values) if all(guesses) else None
+        text = " ".join(
+            [*contact_steps(plain.evidence), f"Therefore: {text[:1].lower()}{text[1:]}"]
+        )
+    chance = min(each.probability for each in values) if all(words.guesses) else None
     text = _framed(text, understood, chance)
     first = values[0]
     # Below one half, the reading included, nothing is decided, though it is told. What is asked
     # besides the first withholds nothing of it.
-    is_abstained = guesses[0] or sure < LEAST_SURE or not first.is_known
+    is_abstained = words.guesses[0] or sure < LEAST_SURE or not first.is_known
     is_abstained |= any(getattr(each, "kind", "") in SILENT for each in values)
     encoded = looked_at(first, asked.clips)[-1]
     return replace(
@@ -160,7 +148,7 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
         options=_options(first, encoded),
         amount=_amount(first),
         motion=MeasuredMotion.of(encoded.belief.seen(first.edit), teller.recording, plain.frame),
-        point_of_view=answer_words.wording.named,
+        point_of_view=words.wording.named,
         values=values,
     )
 

@@ -115,14 +115,17 @@ def reasoning_steps(
     Returns:
         Where the contact is; how its halves go; what adds up and what cancels; the conclusion.
     """
-    regions = evidence["regions"]
     where = "" if is_as_seen else "in the camera image"
-    steps = (
-        _sentence(contact_place(regions, evidence["contact_share"])),
-        _sentence(f"{where} {halves(regions)}".strip()),
-        _sums(pattern_of(regions), motion, where),
-    )
-    return (*(step for step in steps if step), f"Therefore: {conclusion}")
+    sums = _sums(pattern_of(evidence["regions"]), motion, where)
+    steps = (*contact_steps(evidence, where), *([sums] if sums else []))
+    return (*steps, f"Therefore: {conclusion}")
+
+
+def contact_steps(evidence: Mapping[str, Any], where: str = "") -> tuple[str, str]:
+    """Return where the contact is and how its halves go, one sentence each."""
+    regions = evidence["regions"]
+    place = contact_place(regions, evidence["contact_share"])
+    return _sentence(place), _sentence(f"{where} {halves(regions)}".strip())
 
 
 def own_view(slots: Mapping[str, Mapping[str, float]], sentence: str, *, is_same: bool) -> str:

@@ -7,22 +7,174 @@ same; it is asked back only between close readings that come to different values
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
-from geotlm_lm.answering.asked import Asked
-from geotlm_lm.query.amounts import Recording
-from geotlm_lm.query.facts import FACTS, Fact
+from geotlm_lm.answering.encoded import Encoded, evidence_of
+from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.frame_spec import FrameSpec
+from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.twist import Component
+from geotlm_lm.query.answers import answers
+from geotlm_lm.query.evaluate import Evidence, with_facts
 from geotlm_lm.query.follow_up import resumed
-from geotlm_lm.query.lines import write
-from geotlm_lm.query.program import LEANING, TWO_CLIPS, Program, is_void
+from geotlm_lm.query.lines import FACTS, write
+from geotlm_lm.query.phrases import is_plain, replies, restated
+from geotlm_lm.query.program import (
+    LEANING,
+    TWO_CLIPS,
+    Expression,
+    Fact,
+    Program,
+    head_of,
+    is_void,
+    leans,
+    words_of,
+)
 from geotlm_lm.query.reader import Reader, Reading
-from geotlm_lm.query.replies import replies
-from geotlm_lm.query.restated import is_plain, restated
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.values import Amount, Remark, Unknown, Value
+from geotlm_lm.query.values import (
+    Amount,
+    Choice,
+    Placed,
+    Record,
+    Recording,
+    Remark,
+    Truth,
+    Unknown,
+    Value,
+)
 from geotlm_lm.query.written import decided
+
+LEAST_SURE = 0.5
+"""Probability below which an answer is only a guess: it would more likely be wrong than right."""
+
+OF_CONTACT = frozenset({"touch", "none", "press", "in", "out"})
+"""Words of a program that ask whether, or how deep, something touches."""
+
+_OF_MOTION = frozenset({"move", "turn", "slide"})
+
+
+def told_or_not(value: Value, clips: tuple[Encoded, ...], bundle: Bundle) -> Value:
+    """Return a value, or why the recording that it is of does not tell it.
+
+    Args:
+        value: What was asked comes to.
+        clips: One, or two that follow each other.
+        bundle: Knows how much contact each direction needs.
+    """
+    if isinstance(value, Record):
+        fields = ((key, told_or_not(each, clips, bundle)) for key, each in value.fields)
+        return replace(value, fields=tuple(fields))
+    for encoded in looked_at(value, clips):
+        reason, detail = _why_withheld(value, encoded, bundle)
+        if reason is not None:
+            return Unknown(of=value.of, reason=reason, detail=detail, edit=value.edit)
+    return value
+
+
+def is_guess(value: Value) -> bool:
+    """Tell whether a value is more likely wrong than right."""
+    if isinstance(value, Record):
+        return any(is_guess(each) for _, each in value.fields)
+    is_asked_for = head_of(value.of).word in ("why", "sure", "alternatives", "why-of", "sure-of")
+    return value.is_known and not is_asked_for and value.probability < LEAST_SURE
+
+
+def looked_at(value: Value, clips: tuple[Encoded, ...]) -> tuple[Encoded, ...]:
+    """Return the clips that a value tells of."""
+    if len(clips) == 1:
+        return clips
+    words = {each.word for each in value.of}
+    firsts = words & {"of-first", "of-previous"}
+    if value.clip == "first" or (firsts and value.of.word in firsts):
+        return clips[:1]
+    return clips if words & set(TWO_CLIPS) or firsts else clips[-1:]
+
+
+def _why_withheld(value: Value, encoded: Encoded, bundle: Bundle) -> tuple[str | None, str]:
+    """Return the name of a reason of `replies.toml`, and what it says besides."""
+    if isinstance(value, Remark):
+        return None, ""
+    if encoded.suspicion:
+        return "suspicion", encoded.suspicion
+    if not value.is_known:
+        return None, ""
+    words, motion = set(_words(value)), value.moved
+    moves = () if motion is None else motion.movements
+    rest = None if motion is None else motion.rest
+    is_of_contact = isinstance(value, Placed) or not words.isdisjoint(OF_CONTACT)
+    is_pressed = any(move.component is Component.PRESS for move in moves)
+    if not encoded.is_contact_known and (is_of_contact or is_pressed):
+        return "contact", ""
+    is_directed = any(move.way in DIRECTED for move in moves)
+    is_faint = encoded.contact_share < bundle.calibration.contact_threshold
+    if encoded.track is None and is_directed and is_faint:
+        return "mask", f"(mask {encoded.contact_share:.3f})."
+    # Contact is not judged without an image of the idle gel; that nothing moves is told.
+    is_lacking = encoded.is_static or not encoded.is_contact_known
+    is_of_motion = isinstance(value, Truth) and words and words <= _OF_MOTION
+    if is_lacking and not is_of_motion and (rest is not None or words & {"touch", "none"}):
+        return "reference", ""
+    # What changes a recording in which a touch is recognised is that touch.
+    is_denied = isinstance(value, Truth) and value.of.word == "touch" and not value.holds
+    is_unexplained = encoded.is_changed and encoded.belief.contact < LEAST_SURE
+    is_wrong = is_unexplained and (is_denied or rest is Motion.NONE)
+    return ("unrecognised" if is_wrong else None), ""
+
+
+def _words(value: Value) -> Iterator[str]:
+    """Yield what a program speaks of; of options those that hold, not what else was offered."""
+    asked: tuple[Expression, ...] = (value.of,)
+    head = head_of(value.of)
+    if isinstance(value, Choice) and value.chosen and head.word in ("choose", "choose-not"):
+        asked = tuple(head.arguments[0][place].holds for place in value.chosen)
+    for expression in asked:
+        yield from words_of(expression)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The recordings that are asked about, and what held before the question.
+
+    Args:
+        bundle: The model.
+        clips: One, or two that follow each other; the last is the one asked about.
+        frame: What held before.
+        named: The point of view that was named last, in words.
+    """
+
+    bundle: Bundle
+    clips: tuple[Encoded, ...]
+    frame: FrameSpec
+    named: str | None = None
+
+    @cached_property
+    def evidence(self) -> tuple[Evidence, ...]:
+        """What answers rest on; clips that are compared are independent."""
+        return tuple(evidence_of(clip, seed) for seed, clip in enumerate(self.clips))
+
+    def says(self, question: str, written: str, text: str) -> bool:
+        """Tell whether an answer is what the language model itself says; it sees one clip."""
+        if len(self.clips) > 1:
+            return False
+        return self.bundle.speaker.says(self.clips[-1].prefix, question, written, text)
+
+    def values(self, program: Program) -> tuple[Value, ...]:
+        """Return what everything that is asked comes to, or why it is withheld."""
+        values = answers(program, self.evidence, self.frame)
+        return tuple(told_or_not(each, self.clips, self.bundle) for each in values)
+
+    def frame_after(self, program: Program) -> FrameSpec:
+        """Return the frame in which what was stated holds; the one before if it cannot."""
+        try:
+            return with_facts(self.frame, program.facts, self.clips[-1].clip.frames.shape[2])
+        except UsageError:  # no camera has such pixels: the values say so
+            return self.frame
+
 
 UNDERSTOOD = 0.5
 """Probability of a reading from which on it is likelier than all others together."""
@@ -127,7 +279,7 @@ def _chosen(
 ) -> Understood:
     """Return the likeliest reading, those that come to the same values counted together."""
     readings = [each for each in readings if not is_void(each.program)] or readings
-    programs = [_once(resumed(each.program, before)) for each in readings]
+    programs = [_resumed(each.program, before) for each in readings]
     groups: list[list[int]] = []
     for place, program in enumerate(programs):
         for group in groups:
@@ -154,19 +306,17 @@ def _chosen(
     is_unsure = understood.probability < (UNDERSTOOD if is_close else UNLIKELY)
     is_doubtful = is_unsure and not is_plain(program)
     if program.facts and understood.probability < UNDERSTOOD_FACTS:
-        is_doubtful = is_doubtful or _turns(program, rival)
+        # Facts that may not have been stated would hold from now on.
+        is_doubtful |= rival is None or set(rival.facts) != set(program.facts)
     rival = rival if is_close or program.facts else None
     return replace(understood, ask_back=_asked_back(program, rival)) if is_doubtful else understood
 
 
-def _once(program: Program) -> Program:
-    """Return a program that asks nothing twice."""
+def _resumed(program: Program, before: Program) -> Program:
+    """Return a program with what it leans on spelled out, which asks nothing twice."""
+    if before.answers or leans(program):
+        program = resumed(program, before)
     return replace(program, answers=tuple(dict.fromkeys(program.answers)))
-
-
-def _turns(program: Program, rival: Program | None) -> bool:
-    """Tell whether facts that may not have been stated would hold from now on."""
-    return rival is None or set(rival.facts) != set(program.facts)
 
 
 def _agree(one: Program, other: Program, asked: Asked | None) -> bool:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from geotlm_lm.answering.evidence_of import recording_of
+from geotlm_lm.answering.encoded import recording_of
 from geotlm_lm.benchmarks.candidates import twists_of
 from geotlm_lm.benchmarks.cases import (
     MIXED_CLIPS,
@@ -50,7 +50,7 @@ from geotlm_lm.data.labelled_recordings import LabelledRecordings, WindowRow
 from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.query.amounts import Measure, measure
+from geotlm_lm.query.values import Measure, measure
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.truth import components_of, twist_of
 from geotlm_lm.track.block import measured_of

@@ -96,7 +96,7 @@ class Run:
         """The model, loaded once and only if a section asks for it."""
         if self.answerer_given is not None:
             return self.answerer_given
-        from geotlm_lm.answering.loaded import loaded
+        from geotlm_lm.answering.answerer import loaded
 
         return loaded(self.model)
 

@@ -10,7 +10,6 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import ContactArea, Evidence
 from geotlm_lm.query.phrases import label_of
@@ -18,9 +17,11 @@ from geotlm_lm.query.program import Program, head_of, type_of
 from geotlm_lm.query.values import (
     Amount,
     Choice,
+    Measure,
     Moved,
     Placed,
     Record,
+    Recording,
     Remark,
     Times,
     Truth,

@@ -10,9 +10,9 @@ from geotlm_lm.benchmarks.harness import Pivot, Row, Run, Section
 from geotlm_lm.benchmarks.judging import share_rows
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.errors import UnreadableClip
-from geotlm_lm.query.grammar import grammar
 from geotlm_lm.query.lines import read
 from geotlm_lm.query.program import LEANING, asks_of_two
+from geotlm_lm.training.grammar import grammar
 
 CLIPS, EACH = 150, 10
 """Simulated clips, and questions about each."""

@@ -14,8 +14,12 @@ from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.meanings import come_to_the_same
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.query.follow_up import resumed
-from geotlm_lm.query.grammar import corpus, grammar
-from geotlm_lm.query.labelled import (
+from geotlm_lm.query.lines import read
+from geotlm_lm.query.program import filled, head_of
+from geotlm_lm.query.reader import Reader, Reading
+from geotlm_lm.training.calibration import expected_calibration_error
+from geotlm_lm.training.grammar import corpus, grammar
+from geotlm_lm.training.labelled import (
     BLIND,
     SET_UPS,
     TUNE,
@@ -25,10 +29,6 @@ from geotlm_lm.query.labelled import (
     of_pairs,
     written_by,
 )
-from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import filled, head_of
-from geotlm_lm.query.reader import Reader, Reading
-from geotlm_lm.training.calibration import expected_calibration_error
 
 PROGRAM, VALUE, SEEN = "right program", "right value", "of families trained on"
 SURE, PAIRS, SEEN_PAIRS = 0.8, 2000, 40_000

@@ -21,9 +21,9 @@ from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.language.size import SLOTS
 from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.query.grammar import grammar
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.program import WAY_ATOMS
 from geotlm_lm.recordings.idle import estimate_background, touched_part
+from geotlm_lm.training.grammar import grammar
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answer, Answerer, Encoded

@@ -76,8 +76,8 @@ def batch(
     require_replaceable(out)
 
     # Imported only now: a wrong path must not wait for the model's libraries.
+    from geotlm_lm.answering.answerer import loaded
     from geotlm_lm.answering.batch import answer_all
-    from geotlm_lm.answering.loaded import loaded
 
     result = answer_all(
         partial(loaded, answering.model),

@@ -97,7 +97,7 @@ class Conversation:
             case "/why":
                 self._why()
             case "/evidence":
-                from geotlm_lm.answering.evidence_of import regions_of
+                from geotlm_lm.answering.encoded import regions_of
 
                 print(json.dumps(regions_of(self.session.encoded)))
             case "/history":
@@ -135,7 +135,7 @@ class Conversation:
     def _stated(self, facts: str) -> FrameSpec:
         """Return the frame in which some facts hold as well."""
         from geotlm_lm.answering.understanding import understand
-        from geotlm_lm.query.facts import with_facts
+        from geotlm_lm.query.evaluate import with_facts
 
         understood = understand(self.answerer.bundle.reader, facts)
         if understood.ask_back is not None:

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm import __version__
-from geotlm_lm.answering.loaded import loaded
+from geotlm_lm.answering.answerer import loaded
 from geotlm_lm.core.errors import UnreadableClip, UsageError
 from geotlm_lm.core.files import move_into_place, plain_name, replacing, write_text_atomically
 from geotlm_lm.core.process import Progress, silent, uninterrupted_step

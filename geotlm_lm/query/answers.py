@@ -12,44 +12,44 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.edit import EDIT_WORDS, opposite
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import COMPONENTS, Component
 from geotlm_lm.query import program as p
-from geotlm_lm.query import spans  # noqa: F401  (adds its primitives)
-from geotlm_lm.query.amounts import Measure
+from geotlm_lm.query import (
+    spans,  # noqa: F401  (adds its primitives)
+    truths,  # noqa: F401
+)
 from geotlm_lm.query.evaluate import (
-    MOVERS,
     Context,
-    Events,
     Evidence,
     Floats,
+    Spot,
     Trace,
     Untold,
+    contact_middle,
     evaluate,
     middle,
     of_clip,
+    placed,
+    with_facts,
 )
-from geotlm_lm.query.facts import with_facts
-from geotlm_lm.query.measures import comes_back
-from geotlm_lm.query.measures import placed as where_touched
+from geotlm_lm.query.measures import comes_back, holds
 from geotlm_lm.query.moving import (
     moved,
     moved_along,
     moved_on_thread,
-    of_components,
     shown,
     shown_in,
     spread,
     story_of,
 )
-from geotlm_lm.query.program import Case, Expression, Program, of
-from geotlm_lm.query.truths import trait
-from geotlm_lm.query.types import ATOM_OF, WAY_ATOMS
+from geotlm_lm.query.program import ATOM_OF, WAY_ATOMS, Case, Expression, Program, of
 from geotlm_lm.query.values import (
     Amount,
     Choice,
+    Measure,
     Moved,
     Placed,
     Record,
@@ -59,8 +59,11 @@ from geotlm_lm.query.values import (
     Unknown,
     Value,
 )
-from geotlm_lm.query.worlds import COUNT, Happening
+from geotlm_lm.query.worlds import COUNT
 from geotlm_lm.track.events import TOGETHER_S
+
+_BOTH = ("of-first", "of-second")
+"""Words for each of two clips that are compared."""
 
 FINEST = 6
 """Decimals of a number that was rounded to a step of the asker's own."""
@@ -103,29 +106,12 @@ def answer(expression: Expression, context: Context) -> Value:
         return Unknown(of=expression, reason=str(lacks), edit=context.view, supposing=supposing)
 
 
-_AROUND = (*EDIT_WORDS, *MOVERS, "of-first", "of-second", "of-previous", "within", "at", "plain")
-
-
 def _placed(expression: Expression, context: Context) -> tuple[Expression, Context]:
-    """Return an expression without the views, clips and spans around it, and their context."""
-    while expression.word in _AROUND:
-        *outer, inner = expression.arguments
-        if expression.word == "at":
-            context.timed()
-            context = replace(context, now=evaluate(outer[0], context))
-        elif expression.word == "plain":
-            context = context.plain()
-        elif expression.word == "within":
-            spot = evaluate(outer[0], context)
-            context = context.within(spot.begin, spot.end)
-        elif expression.word in (*EDIT_WORDS, *MOVERS):
-            context = context.edited(expression.word)
-        else:
-            context = of_clip(context, expression.word)
-        expression = inner
-    if expression.word in p.LEANING:
+    """Return `placed`, of what leans on nothing that was asked before."""
+    inner, context = placed(expression, context)
+    if inner.word in p.LEANING:
         raise Untold("before")
-    return expression, context
+    return inner, context
 
 
 def _either(expression: Expression, context: Context) -> Value:
@@ -140,15 +126,15 @@ def _either(expression: Expression, context: Context) -> Value:
 def _truth(expression: Expression, context: Context) -> Value:
     chance, known = _chance(evaluate(expression, context), context)
     holds = chance >= known / 2
-    inner, placed = _placed(expression, context)
-    amounts = tuple(_compared(inner, placed))
+    inner, inside = _placed(expression, context)
+    amounts = tuple(_compared(inner, inside))
     components = tuple(context.trace.components)
-    motion = _motion_of(components, placed)
+    motion = _motion_of(components, inside)
     return Truth(
         of=expression, holds=holds, chance=chance, probability=max(chance, known - chance),
-        motion=motion, amounts=amounts, times_s=tuple(_times_of(inner, placed)),
-        each=_of_two(inner, placed), edit=placed.view,
-        shown=of_components(shown_in(placed), components or COMPONENTS),
+        motion=motion, amounts=amounts, times_s=tuple(_times_of(inner, inside)),
+        each=_of_two(inner, inside), edit=inside.view,
+        shown=shown_in(inside, components or COMPONENTS),
     )  # fmt: skip
 
 
@@ -169,25 +155,18 @@ def _of_two(inner: Expression, context: Context) -> tuple[Value, ...]:
     """Return what is so of each of two clips that are compared; nothing where none are."""
     if inner.word not in p.TWO_CLIPS or len(context.clips) < 2:
         return ()
-    return tuple(_of_clip(inner.arguments[0], context, word) for word in ("of-first", "of-second"))
+    return tuple(_of_clip(inner.arguments[0], context, word) for word in _BOTH)
 
 
 def _times_of(inner: Expression, context: Context) -> Iterator[float]:
     """Yield when what is asked about happens, or both of what is put in order."""
     if inner.word == "happens":
-        for happening, is_so in _likely(evaluate(inner.arguments[0], context)):
-            if is_so:
-                yield happening.begin_s
+        yield from (each.begin_s for each in evaluate(inner.arguments[0], context).likely)
     elif inner.word in ("before", "after"):
         for time in inner.arguments:
-            known = np.broadcast_to(evaluate(time, context), (COUNT,))
-            if np.isfinite(known).mean() >= 0.5:
-                yield middle(context, known)
-
-
-def _likely(events: Events) -> Iterator[tuple[Happening, bool]]:
-    """Yield events and whether each likely happens."""
-    return zip(events.happenings, events.is_so.mean(axis=1) >= 0.5, strict=True)
+            times = np.broadcast_to(evaluate(time, context), (COUNT,))
+            if np.isfinite(times).mean() >= 0.5:
+                yield middle(context, times)
 
 
 def chance_of(expression: Expression, context: Context) -> float:
@@ -199,13 +178,13 @@ def chance_of(expression: Expression, context: Context) -> float:
     return _chance(evaluate(expression, context), context)[0]
 
 
-def _chance(holds: Floats, context: Context) -> tuple[float, float]:
+def _chance(is_so: Floats, context: Context) -> tuple[float, float]:
     """Return in which share of the worlds something is so, and in which it can be told."""
-    holds = np.broadcast_to(holds, (COUNT,))
-    known = float(np.isfinite(holds).mean())
+    is_so = np.broadcast_to(is_so, (COUNT,))
+    known = float(np.isfinite(is_so).mean())
     if known < 0.5:
         raise Untold(context.trace.reason or "none-such")
-    return float(np.nansum(holds)) / COUNT, known
+    return float(np.nansum(is_so)) / COUNT, known
 
 
 def _motion_of(components: tuple[Component, ...], context: Context) -> Moved | None:
@@ -217,15 +196,15 @@ def _motion_of(components: tuple[Component, ...], context: Context) -> Moved | N
 
 def _amount(expression: Expression, context: Context) -> Value:
     numbers = evaluate(expression, context)
-    inner, placed = _placed(expression, context)
+    inner, inside = _placed(expression, context)
     components = tuple(context.trace.components)
-    motion = moved(placed, components) if components else None
+    motion = moved(inside, components) if components else None
     measure = p.measure_of(inner)
-    at_rest = None if motion is None else _at_rest(inner, motion, components, placed)
+    at_rest = None if motion is None else _at_rest(inner, motion, components, inside)
     if at_rest is not None:
         return replace(at_rest, of=expression)
     middle(context, numbers.values)
-    amount, right = spread(numbers, _moving(placed, components), context)
+    amount, right = spread(numbers, _moving(inside, components), context)
     rounded = next((each.arguments[0] for each in expression if each.word == "round"), None)
     if rounded is not None:
         amount = replace(amount, decimals=int(rounded), is_padded=True)
@@ -233,14 +212,14 @@ def _amount(expression: Expression, context: Context) -> Value:
         amount = replace(amount, decimals=FINEST)
     at_s = None
     most, of_what = measure.word, measure.arguments
-    if most == "amount" and of_what[0] not in p.WAYS and comes_back(placed, *of_what):
+    if most == "amount" and of_what[0] not in p.WAYS and comes_back(inside, *of_what):
         most = "peak"
-    if most in ("peak", "top-speed") and placed.worlds.is_timed:
-        at_s = middle(placed, evaluate(of(f"{most}-time", *of_what), placed))
+    if most in ("peak", "top-speed") and inside.worlds.is_timed:
+        at_s = middle(inside, evaluate(of(f"{most}-time", *of_what), inside))
     return Amount(
         of=expression, amount=amount, probability=right, motion=motion, at_s=at_s,
-        both=tuple(_both_ways(measure, motion, placed)),
-        edit=placed.view, shown=of_components(shown_in(placed), components or COMPONENTS),
+        both=tuple(_both_ways(measure, motion, inside)),
+        edit=inside.view, shown=shown_in(inside, components or COMPONENTS),
     )  # fmt: skip
 
 
@@ -259,7 +238,8 @@ def _at_rest(
         components = tuple(context.trace.components)
     elif measure.word not in p.GOING:
         return None
-    return motion if components and set(components) <= _unmoved(motion, components) else None
+    is_still = components and (motion.rest or set(components) <= set(motion.denied))
+    return motion if is_still else None
 
 
 def _both_ways(measure: Expression, motion: Moved | None, context: Context) -> Iterator[Measure]:
@@ -272,79 +252,57 @@ def _both_ways(measure: Expression, motion: Moved | None, context: Context) -> I
             yield spread(numbers, np.ones(COUNT, bool), context)[0]
 
 
-def _unmoved(motion: Moved, components: tuple[Component, ...]) -> set[Component]:
-    return set(components) if motion.rest else set(motion.denied)
-
-
 def _moving(context: Context, components: tuple[Component, ...]) -> NDArray[np.bool_]:
     """Return the worlds in which all that likely moves of some components does."""
     moving = np.ones(COUNT, bool)
     for component in components:
-        moves = np.broadcast_to(trait(context, component.value), (COUNT,)) > 0
+        moves = holds(context, component.value)
         moving &= moves if moves.mean() >= 0.5 else True
     return moving
 
 
-def _times(expression: Expression, context: Context) -> Value:
-    times = np.broadcast_to(evaluate(expression, context), (COUNT,))
-    known = np.isfinite(times)
-    _, placed = _placed(expression, context)
+def _when(expression: Expression, context: Context) -> Value:
+    """Return a moment, or when an event or a span begins and ends."""
+    value = evaluate(expression, context)
+    ends = (value.begin, value.end) if isinstance(value, Spot) else (value,)
+    ends = [np.broadcast_to(each, (COUNT,)) for each in ends]
+    known = np.isfinite(ends[0])
+    if known.mean() < 0.5 and isinstance(value, Spot):
+        raise Untold(context.trace.reason or "none-such")
+    _, inside = _placed(expression, context)
     if known.mean() < 0.5:
         return Times(of=expression, times_s=(), probability=1 - float(known.mean()),
-                     edit=placed.view)  # fmt: skip
-    at = float(np.median(times[known]))
-    near = known & (np.abs(times - at) <= TOGETHER_S)
-    return Times(of=expression, times_s=(at,), probability=float(near.mean()), edit=placed.view,
-                 shown=shown_in(placed, at))  # fmt: skip
-
-
-def _event(expression: Expression, context: Context) -> Value:
-    spot = evaluate(expression, context)
-    begin, end = (np.broadcast_to(each, (COUNT,)) for each in (spot.begin, spot.end))
-    known = np.isfinite(begin)
-    if known.mean() < 0.5:
-        raise Untold(context.trace.reason or "none-such")
-    ends = tuple(float(np.median(each[known])) for each in (begin, end))
-    right = known & (np.abs(begin - ends[0]) <= TOGETHER_S)
-    _, placed = _placed(expression, context)
-    return Times(of=expression, times_s=ends, probability=float(right.mean()), edit=placed.view,
-                 shown=shown_in(placed, sum(ends) / 2))  # fmt: skip
+                     edit=inside.view)  # fmt: skip
+    times = tuple(float(np.median(each[known])) for each in ends)
+    right = known & (np.abs(ends[0] - times[0]) <= TOGETHER_S)
+    return Times(of=expression, times_s=times, probability=float(right.mean()), edit=inside.view,
+                 shown=shown_in(inside, at_s=sum(times) / len(times)))  # fmt: skip
 
 
 def _way(expression: Expression, context: Context) -> Value:
-    inner, placed = _placed(expression, context)
+    inner, inside = _placed(expression, context)
     if inner.word == "story":
-        value = moved(placed, ())
-        return replace(value, of=expression, shown=story_of(placed))
+        value = moved(inside, ())
+        return replace(value, of=expression, shown=story_of(inside))
     asked = inner.arguments[0] if inner.word == "way" else "all"
     if asked == "thread":
-        shown = of_components(story_of(placed), (Component.TURN,))
-        return replace(moved_on_thread(placed), of=expression, shown=shown)
+        story = story_of(inside, (Component.TURN,))
+        return replace(moved_on_thread(inside), of=expression, shown=story)
     if asked in ("x", "y"):
-        return replace(moved_along(placed, asked), of=expression)
+        return replace(moved_along(inside, asked), of=expression)
     part = () if asked == "all" else (Component("turn" if asked == "sign" else asked),)
-    value = moved(placed, part)
-    shown = story_of(placed) if inner.word in ("way", "extent") else ()
-    return replace(value, of=expression, shown=of_components(shown, part or COMPONENTS))
+    value = moved(inside, part)
+    story = story_of(inside, part or COMPONENTS) if inner.word in ("way", "extent") else ()
+    return replace(value, of=expression, shown=story)
 
 
 def _label(expression: Expression, context: Context) -> Value:
-    inner, placed = _placed(expression, context)
-    if inner.word == "which-clip":
-        cases = tuple(Case(of(clip, inner.arguments[0])) for clip in ("of-first", "of-second"))
-    elif inner.word in ("which-more", "which-less"):
-        first, second = (of(clip, inner.arguments[0]) for clip in ("of-first", "of-second"))
-        sign = {"which-more": ">", "which-less": "<"}[inner.word]
-        unlike = of("not", of("~", first, second))
-        cases = tuple(
-            Case(of("and", unlike, of(sign, *pair))) for pair in ((first, second), (second, first))
-        )
-    else:
-        cases = inner.arguments[0]
+    inner, inside = _placed(expression, context)
+    cases = _cases(inner)
     named = {
-        place: np.nan_to_num(np.broadcast_to(evaluate(case.holds, placed), (COUNT,))) > 0
+        place: np.nan_to_num(np.broadcast_to(evaluate(case.holds, inside), (COUNT,))) > 0
         for place, case in enumerate(cases)
-        if case.holds.word not in ("other", "unknown")
+        if case.holds.word not in p.OTHERS
     }
     none = ~np.any(list(named.values()), axis=0) if named else np.ones(COUNT, bool)
     held = [named.get(place, none if case.holds.word == "other" else np.zeros(COUNT, bool))
@@ -359,32 +317,44 @@ def _label(expression: Expression, context: Context) -> Value:
         chosen = tuple(place for place in chosen if place in named) or chosen[:1]
         chosen = () if chances[chosen[0]] < min(none.mean(), 0.5) else chosen
         right = np.all([held[place] for place in chosen], axis=0) if chosen else none
-    motion = _motion_of(tuple(context.trace.components), placed)
+    motion = _motion_of(tuple(context.trace.components), inside)
     return Choice(of=expression, chosen=chosen, chances=chances, probability=float(np.mean(right)),
-                  motion=motion, each=_of_two(inner, placed), edit=placed.view,
-                  shown=shown_in(placed))  # fmt: skip
+                  motion=motion, each=_of_two(inner, inside), edit=inside.view,
+                  shown=shown_in(inside))  # fmt: skip
+
+
+def _cases(inner: Expression) -> tuple[Case, ...]:
+    """Return what is offered, of two clips each of them."""
+    if inner.word in ("choose", "choose-not"):
+        return inner.arguments[0]
+    first, second = (of(clip, inner.arguments[0]) for clip in _BOTH)
+    if inner.word == "which-clip":
+        return Case(first), Case(second)
+    sign = {"which-more": ">", "which-less": "<"}[inner.word]
+    unlike, pairs = of("not", of("~", first, second)), ((first, second), (second, first))
+    return tuple(Case(of("and", unlike, of(sign, *pair))) for pair in pairs)
 
 
 def _record(expression: Expression, context: Context) -> Value:
-    inner, placed = _placed(expression, context)
+    inner, inside = _placed(expression, context)
     if inner.word == "record":
-        fields = [(each.key, answer(each.answer, placed)) for each in inner.arguments[0]]
+        fields = [(each.key, answer(each.answer, inside)) for each in inner.arguments[0]]
     elif inner.word == "each-clip":
-        fields = [(word.removeprefix("of-"), _of_clip(inner.arguments[0], placed, word))
-                  for word in ("of-first", "of-second")]  # fmt: skip
+        values = (_of_clip(inner.arguments[0], inside, word) for word in _BOTH)
+        fields = [(value.clip, value) for value in values]
     else:
-        events = evaluate(inner.arguments[0], placed)
-        is_likely = events.is_so.mean(axis=1) >= 0.5
-        likely = [each for each, is_so in _likely(events) if is_so]
+        events = evaluate(inner.arguments[0], inside)
+        likely = events.likely
         if inner.word in ("begins", "ends"):
             times = tuple(each.begin_s if inner.word == "begins" else each.end_s for each in likely)
-            right = (events.is_so == is_likely[:, None]).all(axis=0).mean()
-            return Times(of=expression, times_s=times, probability=float(right), edit=placed.view,
-                         shown=tuple(shown(placed, each) for each in likely))  # fmt: skip
-        ends = [(np.asarray(each.begin_s), np.asarray(each.end_s)) for each in likely]
-        fields = [(None, answer(inner.arguments[1], placed.within(*each))) for each in ends]
+            is_likely = events.is_so.mean(axis=1, keepdims=True) >= 0.5
+            right = (events.is_so == is_likely).all(axis=0).mean()
+            return Times(of=expression, times_s=times, probability=float(right), edit=inside.view,
+                         shown=tuple(shown(inside, each) for each in likely))  # fmt: skip
+        spans = (inside.within(*each.ends) for each in likely)
+        fields = [(None, answer(inner.arguments[1], span)) for span in spans]
     right = min((value.probability for _, value in fields), default=1.0)
-    return Record(of=expression, fields=tuple(fields), probability=right, edit=placed.view)
+    return Record(of=expression, fields=tuple(fields), probability=right, edit=inside.view)
 
 
 def _of_clip(inner: Expression, context: Context, word: str) -> Value:
@@ -392,25 +362,25 @@ def _of_clip(inner: Expression, context: Context, word: str) -> Value:
 
 
 def _remark(expression: Expression, context: Context) -> Value:
-    inner, placed = _placed(expression, context)
+    inner, inside = _placed(expression, context)
     word = inner.word
     if word in ("sure-of", "why-of"):
-        value = _truth(inner.arguments[0], placed)
+        value = _truth(inner.arguments[0], inside)
         return replace(value, of=expression)
     if word == "alternatives":
-        return replace(_label(of("choose", _possible(placed)), placed), of=expression)
+        return replace(_label(of("choose", _possible(inside)), inside), of=expression)
     if word in ("sure", "sure-amount", "why"):
-        return replace(moved(placed, ()), of=expression)
+        return replace(moved(inside, ()), of=expression)
     if word == "place":
-        across, down = where_touched(placed)
-        return Placed(of=expression, across=across, down=down, share=placed.evidence.area.share,
-                      edit=placed.view)  # fmt: skip
+        across, down = contact_middle(inside)
+        return Placed(of=expression, across=across, down=down, share=inside.evidence.area.share,
+                      edit=inside.view)  # fmt: skip
     topic = inner.arguments[0] if inner.arguments else None
-    frame = placed.frame
+    frame = inside.frame
     if topic == "world" and (frame.turn_deg or frame.image_mirrored):  # the mounting is stated
-        return replace(moved(placed, ()), of=of("way", "all"))
-    return Remark(of=expression, kind=word, topic=topic, recording=placed.evidence.recording,
-                  edit=placed.view)  # fmt: skip
+        return replace(moved(inside, ()), of=of("way", "all"))
+    return Remark(of=expression, kind=word, topic=topic, recording=inside.evidence.recording,
+                  edit=inside.view)  # fmt: skip
 
 
 def _possible(context: Context) -> tuple[Case, ...]:
@@ -423,8 +393,8 @@ def _possible(context: Context) -> tuple[Case, ...]:
 _TELLS: dict[str, Callable[[Expression, Context], Value]] = {
     "bool": _truth,
     "number": _amount,
-    "time": _times,
-    "event": _event,
+    "time": _when,
+    "event": _when,
     "way": _way,
     "label": _label,
     "record": _record,

@@ -17,19 +17,137 @@ from geotlm_lm.query.evaluate import (
     Floats,
     Numbers,
     Untold,
+    contact_middle,
     evaluate,
     middle,
 )
+from geotlm_lm.query.measures import scale_of
 from geotlm_lm.query.program import Expression
-from geotlm_lm.query.units import compared, constant, converted, in_length_of
+from geotlm_lm.query.quantities import FACTORS, Quantity, in_base
 from geotlm_lm.query.worlds import COUNT
+
+
+def compared(context: Context, left: Expression, right: Expression) -> tuple[Numbers, Numbers]:
+    """Return two numbers in one unit: that of a constant where one is, else of the first."""
+    left, right = _counted(left, right), _counted(right, left)
+    scaled = in_length_of(context, left, right)
+    one, two = evaluate(left, scaled), evaluate(right, scaled)
+    if left.value is not None and right.value is None:
+        two, one = _alike(scaled, two, one)
+        return one, two
+    return _alike(scaled, one, two)
+
+
+def _counted(number: Expression, beside: Expression) -> Expression:
+    """Return "three turns" as three where it stands beside a count."""
+    is_turns = isinstance(number.value, Quantity) and number.value.unit == "turn"
+    is_count = p.head_of(p.measure_of(p.head_of(beside))).word == "count"
+    return p.number(number.value.value) if is_turns and is_count else number
+
+
+def _alike(context: Context, one: Numbers, two: Numbers) -> tuple[Numbers, Numbers]:
+    if not two.unit and one.unit:
+        is_part = one.unit == "percent" and two.tolerance == 0 and np.max(two.values) <= 1
+        return one, replace(two, unit=one.unit, values=two.values * (100 if is_part else 1))
+    if not one.unit and two.unit:
+        return replace(one, unit=two.unit), two
+    return one, converted(context, two, one.unit)
+
+
+def in_length_of(context: Context, *expressions: Expression) -> Context:
+    """Return a context that measures as a number is: travel in mm or px, or a turn."""
+    for expression in expressions:
+        units = [inner.value.unit for inner in expression if isinstance(inner.value, Quantity)]
+        units += [inner.arguments[0] for inner in expression if inner.word == "unit"]
+        for unit in units:
+            if p.dimension_of(unit) in ("length", "angle"):
+                return _measuring_in(context, unit)
+    return context
+
+
+def _measuring_in(context: Context, unit: str) -> Context:
+    length = "px" if unit.partition("/")[0] == "px" else "mm"
+    kind = p.dimension_of(unit)
+    return replace(context, length={"angle": "deg", "length": length}.get(kind, context.length))
+
+
+def converted(context: Context, numbers: Numbers, unit: str) -> Numbers:
+    """Return numbers in another unit.
+
+    Raises:
+        Untold: If it is one of something else, or needs a scale or a rate that is not known.
+    """
+    factor = _factor(context, numbers.unit, unit)
+    return numbers.also(numbers.values * factor, unit=unit, tolerance=numbers.tolerance * factor)
+
+
+def _factor(context: Context, have: str, wanted: str) -> float:
+    if have == wanted:
+        return 1.0
+    if "/" in have or "/" in wanted:
+        top, _, per = have.partition("/")
+        wanted_top, _, wanted_per = wanted.partition("/")
+        if not per or not wanted_per:
+            raise Untold("unit")
+        return _factor(context, top, wanted_top) / _factor(context, per, wanted_per)
+    for factors in FACTORS.values():
+        if have in factors and wanted in factors:
+            return factors[have] / factors[wanted]
+    times = FACTORS["time"]
+    if {have, wanted} & {"frame"} and {have, wanted} & times.keys():
+        rate = context.evidence.recording.rate_hz
+        if not rate:
+            raise Untold("rate")
+        return rate * times[have] if have in times else 1 / (rate * times[wanted])
+    lengths = FACTORS["length"]
+    if {have, wanted} & {"px"} and {have, wanted} & lengths.keys():
+        size = context.frame.mm_per_px
+        if size is None:
+            raise Untold("scale")
+        return lengths[have] / size if have in lengths else size / lengths[wanted]
+    raise Untold("unit")
+
+
+def constant(_: Context, quantity: Quantity) -> Numbers:
+    """Return a number that is stated, the same in every world, in the base of its unit."""
+    value, unit, per = in_base(quantity)
+    if quantity.unit.partition("/")[0] == "percent":
+        unit = "percent"
+    return _number(value, f"{unit}/{per}" if per else unit)
+
 
 SPAN = (0.05, 0.95)
 """Shares of the worlds below the ends of the span that a number is told with."""
 
 
-def _number(value: float):
-    return lambda _: Numbers(np.full(COUNT, value), "")
+def _number(value: float, unit: str = "", tolerance: float = 0.0) -> Numbers:
+    return Numbers(np.full(COUNT, float(value)), unit, tolerance)
+
+
+def _of_file(name: str, unit: str = ""):
+    def stated(context: Context) -> Numbers:
+        value = getattr(context.evidence.recording, name)
+        if value is None:
+            raise Untold("rate")
+        return _number(value, unit)
+
+    return stated
+
+
+def _size(name: str):
+    return lambda context: converted(context, _of_file(name, "px")(context), scale_of(context)[0])
+
+
+def _area(context: Context) -> Numbers:
+    if context.evidence.area is None:
+        raise Untold("share")
+    return _number(100 * context.evidence.area.share, "percent", 5.0)
+
+
+def _chance(context: Context, inner: Expression) -> Numbers:
+    is_so = np.nan_to_num(evaluate(inner, context))
+    share = np.broadcast_to(is_so, np.broadcast_shapes(is_so.shape, (COUNT,))).mean(-1)
+    return Numbers(np.repeat(100 * share[..., None], COUNT, axis=-1), "percent", 2.0)
 
 
 def _sum(sign: int):
@@ -52,7 +170,7 @@ def _slack(term: Numbers) -> float:
 
 
 def _times(context: Context, left: Expression, right: Expression) -> Numbers:
-    one, two = (_factor(evaluate(each, context)) for each in (left, right))
+    one, two = (_multiplier(evaluate(each, context)) for each in (left, right))
     if one.unit and two.unit:
         for speed, time in ((one, two), (two, one)):
             if "/" in speed.unit and time.unit in p.UNITS["time"]:
@@ -67,7 +185,7 @@ def _times(context: Context, left: Expression, right: Expression) -> Numbers:
     return main.also(main.values * other.values, tolerance=main.tolerance * size)
 
 
-def _factor(numbers: Numbers) -> Numbers:
+def _multiplier(numbers: Numbers) -> Numbers:
     """Return a share as the number to multiply by: 30 percent of an angle are 0.3 of it."""
     if numbers.unit != "percent":
         return numbers
@@ -124,7 +242,7 @@ def _time_of(context: Context, way: Numbers, speed: Numbers) -> Numbers:
 
 
 def _kind(unit: str) -> str:
-    return next((kind for kind, units in p.UNITS.items() if unit in units), unit)
+    return p.dimension_of(unit) or unit
 
 
 def _percent_of(context: Context, part: Expression, whole: Expression) -> Numbers:
@@ -144,10 +262,7 @@ def _extreme(choose: Callable[[Floats, Floats], Floats]):
 def _over_events(combine: Callable[[Floats], Floats]):
     def combined(context: Context, events: Expression, inner: Expression) -> Numbers:
         several = evaluate(events, context)
-        parts = [
-            evaluate(inner, context.within(np.asarray(each.begin_s), np.asarray(each.end_s)))
-            for each in several.happenings
-        ]
+        parts = [evaluate(inner, context.within(*each.ends)) for each in several.happenings]
         if not parts:
             raise Untold("none-such")
         if len({each.unit for each in parts}) > 1:
@@ -209,9 +324,7 @@ def _mapped(context: Context, change: Callable[[Floats], Floats], inner: Express
 
 
 def _in_unit(context: Context, unit: str, inner: Expression) -> Numbers:
-    kind = next(kind for kind, units in p.UNITS.items() if unit in units)
-    length = {"angle": "deg", "length": "px" if unit == "px" else "mm"}.get(kind, context.length)
-    numbers = evaluate(inner, replace(context, length=length))
+    numbers = evaluate(inner, _measuring_in(context, unit))
     _, _, per = numbers.unit.partition("/")
     return converted(context, numbers, f"{unit}/{per}" if per else unit)
 
@@ -227,7 +340,15 @@ def _per(context: Context, per: str, inner: Expression) -> Numbers:
 PRIMITIVES |= {
     "#": constant,
     "in-unit": converted,
-    "pi": _number(math.pi),
+    "pi": lambda _: _number(math.pi),
+    "area": _area,
+    "place-x": lambda context: _number(100 * contact_middle(context)[0], "percent"),
+    "place-y": lambda context: _number(100 * contact_middle(context)[1], "percent"),
+    "frame-rate": _of_file("rate_hz", "frame/s"),
+    "frame-width": _size("columns"),
+    "frame-height": _size("rows"),
+    "frame-count": _of_file("frames"),
+    "chance": _chance,
     "+": _sum(1),
     "-": _sum(-1),
     "*": _times,
@@ -253,5 +374,5 @@ PRIMITIVES |= {
     "most-of": _over_events(lambda values: np.nanmax(values, axis=0)),
     "spread-of": _over_events(lambda values: np.nanstd(values, axis=0)),
     "least-of": _over_events(lambda values: np.nanmin(values, axis=0)),
-    **{count: _number(float(count)) for count in p.COUNTS},
+    **{count: lambda _, count=count: _number(float(count)) for count in p.COUNTS},
 }

@@ -7,7 +7,7 @@ world can tell is `Untold`, with its reason. Truths, measures and spans each add
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -15,40 +15,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.core.edit import EDIT_WORDS, Edit
+from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.core.twist import Component
 from geotlm_lm.query import program as p
-from geotlm_lm.query.amounts import Recording
-from geotlm_lm.query.program import Expression
+from geotlm_lm.query.program import AROUND, CLIPS, MOVERS, Expression, Fact, Quantity
+from geotlm_lm.query.quantities import FACTORS
+from geotlm_lm.query.values import Recording
 from geotlm_lm.query.worlds import COUNT, Happening, Worlds
 
 Floats = NDArray[np.float64]
 
 GRID = 512
 """Moments that are looked at together: what is over before them is added once for all of them."""
-
-WAY = {
-    "cw": (Component.TURN, (1, 0, 0, 0)),
-    "ccw": (Component.TURN, (-1, 0, 0, 0)),
-    "right": (Component.SLIDE, (0, 1, 0, 0)),
-    "left": (Component.SLIDE, (0, -1, 0, 0)),
-    "down": (Component.SLIDE, (0, 0, 1, 0)),
-    "up": (Component.SLIDE, (0, 0, -1, 0)),
-    "in": (Component.PRESS, (0, 0, 0, 1)),
-    "out": (Component.PRESS, (0, 0, 0, -1)),
-}
-"""Component and axis of each way: turn, right, down, inward."""
-
-COMPONENT = {
-    **{word: component for word, (component, _) in WAY.items()},
-    **{component.value: component for component in COMPONENTS},
-    "x": Component.SLIDE,
-    "y": Component.SLIDE,
-}
-
-
-MOVERS = {"as-object": False, "as-sensor": True}
 
 
 class Untold(Exception):  # noqa: N818  (no error: what an answer lacks)
@@ -77,7 +56,6 @@ class Evidence:
     worlds: Worlds
     recording: Recording = field(default_factory=Recording)
     area: ContactArea | None = None
-    reasons: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +81,17 @@ class Events:
     happenings: tuple[Happening, ...]
     is_so: NDArray[np.bool_]  # (events, COUNT)
 
+    @classmethod
+    def of(cls, happenings: Sequence[Happening], masks: Sequence[NDArray[np.bool_]]) -> Events:
+        """Return events, each with the worlds in which it happens, (COUNT,)."""
+        return cls(tuple(happenings), np.array(masks, dtype=bool).reshape(len(masks), COUNT))
+
+    @property
+    def likely(self) -> list[Happening]:
+        """Those that happen in half of the worlds or more."""
+        is_likely = self.is_so.mean(axis=1) >= 0.5
+        return [each for each, is_so in zip(self.happenings, is_likely, strict=True) if is_so]
+
 
 @dataclass(frozen=True, eq=False)
 class Spot:
@@ -110,6 +99,11 @@ class Spot:
 
     begin: Floats
     end: Floats
+
+    @property
+    def length(self) -> Floats:
+        """How long it is in each world, (COUNT,)."""
+        return np.broadcast_to(np.asarray(self.end) - np.asarray(self.begin), (COUNT,))
 
 
 @dataclass
@@ -160,8 +154,9 @@ class Context:
     @property
     def contact(self) -> tuple[Floats, Floats]:
         """From the first touch to the last release."""
-        worlds = self.worlds
-        spans = worlds.contacts or ((worlds.begin_s, worlds.end_s),)
+        spans = self.worlds.contacts
+        if not spans:
+            return self.recorded
         return np.asarray(spans[0][0]), np.asarray(spans[-1][1])
 
     def timed(self) -> Worlds:
@@ -186,6 +181,22 @@ class Context:
         total = self.worlds.begin_s + self.worlds.end_s
         return edited.within(total - self.end, total - self.begin)
 
+    @property
+    def recorded(self) -> tuple[Floats, Floats]:
+        """From the first frame to the last."""
+        return np.asarray(self.worlds.begin_s), np.asarray(self.worlds.end_s)
+
+    @property
+    def clock_unit(self) -> str:
+        """What the recording's clock counts: seconds, or frames where its rate is not known."""
+        return "s" if self.evidence.recording.rate_hz else "frame"
+
+    @property
+    def clock_step(self) -> float:
+        """How long a unit of that clock is on the track's own, seconds."""
+        recording = self.evidence.recording
+        return 1.0 if recording.rate_hz else recording.step_s or 1.0
+
     def plain(self) -> Context:
         """Return the context without the views and spans that were asked for."""
         return replace(self, edit=Edit(), begin=None, end=None, now=None)
@@ -202,6 +213,67 @@ class Context:
         return replace(self, begin=begin, end=end, now=None)
 
 
+_FRAME_FIELD = {"seen": "viewpoint", "moves": "actor", "thread": "thread", "side": "contact_side"}
+_PLAIN_FRAME = FrameSpec()
+
+
+def with_facts(frame: FrameSpec, facts: tuple[Fact, ...], columns: int) -> FrameSpec:
+    """Return a frame in which some facts hold, in turn.
+
+    Args:
+        frame: What held before.
+        facts: Filled ones.
+        columns: Width of the recording's frames, by which "view" tells the size of a pixel.
+
+    Raises:
+        UsageError: If a pixel would be of a size, or frames of a rate, that no camera has.
+    """
+    for fact in facts:
+        frame = replace(frame, **_fields(frame, fact, columns))
+    return frame
+
+
+def _fields(frame: FrameSpec, fact: Fact, columns: int) -> dict[str, Any]:
+    if fact.name == "everything":
+        return vars(_PLAIN_FRAME)
+    if fact.name == "mirrored":
+        return {"image_mirrored": not fact.denied}
+    if fact.name == "turned":
+        degrees = {"half": 180, "quarter-cw": 90, "quarter-ccw": 270}.get(fact.value, 0)
+        return FrameSpec.fields_of_turn(0 if fact.denied else degrees)
+    if fact.name in _FRAME_FIELD:
+        name = _FRAME_FIELD[fact.name]
+        return {name: getattr(_PLAIN_FRAME, name) if fact.denied else fact.value}
+    if fact.name in ("scale", "view"):
+        across = columns if fact.name == "view" else 1
+        return {"mm_per_px": None if fact.denied else mm_per_px(fact.numbers[0], across)}
+    if fact.name == "rate":
+        return {"rate_hz": None if fact.denied else _rate_hz(fact.numbers[0])}
+    return {}
+
+
+def _rate_hz(rate: Quantity) -> float | None:
+    """Return frames per second, of a bare number too; None where the quantity is no rate."""
+    unit, _, per = rate.unit.partition("/")
+    if not rate.unit:
+        return rate.value
+    second = FACTORS["time"].get(per)
+    return rate.value / second if unit == "frame" and second else None
+
+
+def mm_per_px(size: Quantity, pixels: int = 1) -> float | None:
+    """Return the size of a pixel, mm, where so many measure "60 um", or of "20 px/mm".
+
+    A bare number is in mm; None where the quantity is no length.
+    """
+    unit, _, per = size.unit.partition("/")
+    unit = unit or "mm"
+    if unit == "px" and per in FACTORS["length"]:
+        return FACTORS["length"][per] / size.value if size.value else None
+    factor = FACTORS["length"].get(unit)
+    return None if factor is None else size.value * factor / pixels
+
+
 PRIMITIVES: dict[str, Callable[..., Any]] = {}
 """What each primitive does: (context, *arguments) -> arrays over the worlds."""
 
@@ -215,21 +287,34 @@ def evaluate(expression: Expression, context: Context) -> Any:
     word, arguments = expression.word, expression.arguments
     if expression.value is not None:
         return PRIMITIVES["#"](context, expression.value)
-    if word in MOVERS or word in EDIT_WORDS:
-        return evaluate(arguments[0], context.edited(word))
-    if word in _CLIPS:
-        return evaluate(arguments[0], of_clip(context, word))
     if word == "within":
         spot = evaluate(arguments[0], context)
         return _where(spot, evaluate(arguments[1], context.within(spot.begin, spot.end)))
+    if word in AROUND:
+        return evaluate(arguments[-1], _inside_of(expression, context))
+    return PRIMITIVES[word](context, *arguments)
+
+
+def placed(expression: Expression, context: Context) -> tuple[Expression, Context]:
+    """Return an expression without the views, clips and spans around it, and their context."""
+    while expression.word in AROUND:
+        context = _inside_of(expression, context)
+        expression = expression.arguments[-1]
+    return expression, context
+
+
+def _inside_of(expression: Expression, context: Context) -> Context:
+    """Return the context of what stands behind a view, a clip or a span."""
+    word = expression.word
+    if word in CLIPS:
+        return of_clip(context, word)
+    if word == "within":
+        spot = evaluate(expression.arguments[0], context)
+        return context.within(spot.begin, spot.end)
     if word == "at":
         context.timed()
-        return evaluate(arguments[1], replace(context, now=evaluate(arguments[0], context)))
-    if word == "plain":
-        return evaluate(arguments[0], context.plain())
-    if word == "if":
-        return _if(context, *arguments)
-    return PRIMITIVES[word](context, *arguments)
+        return replace(context, now=evaluate(expression.arguments[0], context))
+    return context.plain() if word == "plain" else context.edited(word)
 
 
 def _where(spot: Spot, values: Any) -> Any:
@@ -246,6 +331,16 @@ def _where(spot: Spot, values: Any) -> Any:
     return np.where(is_there, values, np.nan)
 
 
+def contact_middle(context: Context) -> tuple[float, float]:
+    """Return where the middle of the contact lies: shares of the width and of the height."""
+    area = context.evidence.area
+    if area is None:
+        raise Untold("place")
+    a, b, c, d = context.view.rotation
+    x, y = area.across - 0.5, area.down - 0.5
+    return a * x + b * y + 0.5, c * x + d * y + 0.5
+
+
 def middle(context: Context, values: Floats) -> float:
     """Return the median over the worlds that have a number.
 
@@ -258,41 +353,26 @@ def middle(context: Context, values: Floats) -> float:
     return float(np.median(values[known]))
 
 
-_CLIPS = {"of-first": 0, "of-second": 1, "of-previous": 0}
-
-
 def of_clip(context: Context, word: str) -> Context:
     """Return the context of the first or the second of two clips."""
     if len(context.clips) < 2:
         if word == "of-first":
             return context
         raise Untold("second")
-    return replace(context, place=_CLIPS[word])
+    return replace(context, place=CLIPS[word])
 
 
 def _if(context: Context, condition: Expression, then: Expression, other: Expression) -> Any:
     if p.type_of(then) != p.type_of(other):
         raise Untold("unit")
     holds = evaluate(condition, context)
-    one, two = evaluate(then, context), evaluate(other, context)
-    if isinstance(one, Numbers):
-        two = PRIMITIVES["in-unit"](context, two, one.unit)
-        return one.also(np.where(holds > 0, one.values, two.values) + 0 * holds)
-    if isinstance(one, np.ndarray):
-        return np.where(holds > 0, one, two) + 0 * holds
-    return one if np.nan_to_num(holds).mean() >= 0.5 else two
-
-
-def _clips(combine: Callable[[Expression, Expression], Expression]):
-    """Return what asks the same of both clips and combines it."""
-
-    def combined(context: Context, inner: Expression) -> Any:
-        return evaluate(combine(p.of("of-first", inner), p.of("of-second", inner)), context)
-
-    return combined
-
-
-# Truths
+    first, second = evaluate(then, context), evaluate(other, context)
+    if isinstance(first, Numbers):
+        second = PRIMITIVES["in-unit"](context, second, first.unit)
+        return first.also(np.where(holds > 0, first.values, second.values) + 0 * holds)
+    if isinstance(first, np.ndarray):
+        return np.where(holds > 0, first, second) + 0 * holds
+    return first if np.nan_to_num(holds).mean() >= 0.5 else second
 
 
 def grid(context: Context) -> Floats:
@@ -333,14 +413,4 @@ def inside(context: Context, component: Component) -> Iterator[tuple[Happening, 
         context.trace.happenings[id(happening)] = happening
 
 
-PRIMITIVES |= {
-    "both": _clips(lambda one, two: p.of("and", one, two)),
-    "either": _clips(lambda one, two: p.of("or", one, two)),
-    "neither": _clips(lambda one, two: p.of("not", p.of("or", one, two))),
-    "only-one": _clips(
-        lambda one, two: p.of("and", p.of("or", one, two), p.of("not", p.of("and", one, two)))
-    ),
-    "more": _clips(lambda one, two: p.of(">", one, two)),
-    "less": _clips(lambda one, two: p.of("<", one, two)),
-    "as-far": _clips(lambda one, two: p.of("~", one, two)),
-}
+PRIMITIVES["if"] = _if

@@ -9,37 +9,39 @@ a conversation is expressions.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS
-from geotlm_lm.query.evaluate import COMPONENT
 from geotlm_lm.query.program import (
     ACCEPTED,
+    AROUND,
     ASKED,
+    CLIPS,
+    COMPARED,
+    COMPONENT,
     COMPONENTS,
     EVENTS,
     GOING,
-    LEANING,
     MEASURED,
-    OTHERS,
-    UNITS,
-    WAYS,
-    Case,
     Expression,
     Field,
     Program,
+    Quantity,
+    dimension_of,
     head_of,
+    leans,
     normal,
     number,
     of,
     type_of,
+    with_parts,
+    words_of,
 )
-from geotlm_lm.query.quantities import Quantity
 
 OPEN = Program((of("way", "all"),))
 """What is taken to have been asked where nothing was."""
 
-_COMPARED = (">", "<", "=", "~", "in-range")
-_NUMBERED = (*_COMPARED, "+", "-", "*", "/", "percent-of", "min", "max", "abs",
+_NUMBERED = (*COMPARED, "+", "-", "*", "/", "percent-of", "min", "max", "abs",
              "negate", "round", "unit", "per", "nearest", "low", "high", "sigma",
              "floor", "ceil")  # fmt: skip
 """What takes a number: of what was no number it is how far that goes."""
@@ -53,7 +55,7 @@ _ENDS = ("low", "high", "sigma")
 STRUCTURED = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table")
 """Forms of one answer; the next is told in words again, while a word or a number stays one."""
 
-_PLACED = ("within", "at", "of-first", "of-second", "of-previous")
+_PLACED = ("within", "at", *CLIPS)
 
 
 def resumed(program: Program, before: Program) -> Program:
@@ -70,7 +72,7 @@ def resumed(program: Program, before: Program) -> Program:
     if before.answers:
         answers = (_of_subject(answer, before.answers[0]) for answer in program.answers)
         program = replace(program, answers=tuple(answers))
-    if not any(_leans(answer) for answer in program.answers):
+    if not leans(program):
         return program
     if not before.answers:
         if program.facts and all(answer == of("again") for answer in program.answers):
@@ -78,11 +80,9 @@ def resumed(program: Program, before: Program) -> Program:
         before = OPEN
     answers = []
     for answer in program.answers:
-        is_about_all = _leans(answer) and any(each.word == "again" for each in answer)
+        is_about_all = any(each.word == "again" for each in answer)
         for last in before.answers if is_about_all else before.answers[:1]:
             answers.append(_asked(_spelled(_spoken(answer, last), last)))
-            if not _leans(answer):
-                break
     is_kept = program.form == "sentence" and before.form not in STRUCTURED
     form = before.form if is_kept else program.form
     spelled = replace(program, answers=tuple(dict.fromkeys(answers)), form=form)
@@ -110,31 +110,19 @@ def _of_subject(answer: Expression, last: Expression) -> Expression:
 def _of_measure(comparison: Expression, last: Expression) -> Expression | None:
     """Return "more than 20?" as of the number that was asked about last; None where none was."""
     bare = comparison.arguments[1].value
-    measure = _as_number(last, "") if last.word in _COMPARED else last
+    measure = _as_number(last, "") if last.word in COMPARED else last
     if type_of(measure) != "number" or not isinstance(bare, Quantity) or bare.unit:
         return None
     before = (each.value.unit for each in last if isinstance(each.value, Quantity))
     return of(comparison.word, measure, number(replace(bare, unit=next(before, ""))))
 
 
-def _leans(expression: Expression) -> bool:
-    return any(each.word in ("again", *LEANING) for each in expression)
-
-
-def _spoken(value, last: Expression):
+def _spoken(value: Any, last: Expression) -> Any:
     """Return an expression, or a part of one, with what was spoken of in the place of "it"."""
-    if isinstance(value, tuple):
-        return tuple(_spoken(each, last) for each in value)
-    if isinstance(value, Case):
-        return replace(value, holds=_spoken(value.holds, last))
-    if isinstance(value, Field):
-        return replace(value, answer=_spoken(value.answer, last))
-    if not isinstance(value, Expression):
-        return value
-    spoken = {"it": spoken_of, "then": _moment_of, "those": _events_of}.get(value.word)
-    if spoken is not None:
-        return spoken(last)
-    return replace(value, arguments=_spoken(value.arguments, last))
+    fits = {"it": spoken_of, "then": _moment_of, "those": _events_of}
+    if isinstance(value, Expression) and value.word in fits:
+        return fits[value.word](last)
+    return with_parts(value, lambda part: _spoken(part, last))
 
 
 def _spelled(
@@ -155,7 +143,7 @@ def _spelled(
         what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
         return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
     if word == "plain" and expression.arguments[0].word == "again":
-        return _fitted(_bare(last), wanted, unit)
+        return _fitted(head_of(last), wanted, unit)
     if word in _PLACED and any(each.word == "again" for each in expression.arguments[-1]):
         last = _unplaced(last, is_clip=word.startswith("of-"))
     if word in _ENDS and last.word in _ENDS:
@@ -169,17 +157,11 @@ def _spelled(
     return replace(expression, arguments=arguments)
 
 
-def _argument(value, last: Expression, wanted: str, unit: str):
+def _argument(value: Any, last: Expression, wanted: str, unit: str) -> Any:
     if isinstance(value, Expression):
         return _spelled(value, last, wanted, unit)
-    if isinstance(value, tuple):
-        return tuple(_argument(each, last, wanted, unit) for each in value)
-    if isinstance(value, Case):
-        is_asked = value.holds.word not in OTHERS
-        return replace(value, holds=_spelled(value.holds, last, "bool")) if is_asked else value
-    if isinstance(value, Field):
-        return replace(value, answer=_spelled(value.answer, last))
-    return value
+    wanted, unit = {"cases": ("bool", ""), "fields": ("answer", "")}.get(wanted, (wanted, unit))
+    return with_parts(value, lambda part: _argument(part, last, wanted, unit))
 
 
 def _fitted(last: Expression, wanted: str, unit: str) -> Expression:
@@ -189,7 +171,7 @@ def _fitted(last: Expression, wanted: str, unit: str) -> Expression:
     if last.word == "if":
         condition, *branches = last.arguments
         return of("if", condition, *(_fitted(each, wanted, unit) for each in branches))
-    if last.word in (*EDIT_WORDS, *_PLACED, "as-object", "as-sensor", "plain"):
+    if last.word in AROUND:
         *outer, inner = last.arguments
         return of(last.word, *outer, _fitted(inner, wanted, unit))
     if type_of(last) == wanted:
@@ -208,12 +190,8 @@ def _fitted(last: Expression, wanted: str, unit: str) -> Expression:
 def _unit_of(expression: Expression) -> str:
     """Return the kind of unit that a number is wanted in: "angle", "length", "time" or ""."""
     units = [expression.arguments[0]] if expression.word == "unit" else []
-    units += [each.value.unit for each in expression if hasattr(each.value, "unit")]
-    for unit in units:
-        for kind, names in UNITS.items():
-            if unit.partition("/")[0] in names:
-                return kind
-    return ""
+    units += [each.value.unit for each in expression if isinstance(each.value, Quantity)]
+    return next(filter(None, map(dimension_of, units)), "")
 
 
 def _as_number(last: Expression, kind: str) -> Expression:
@@ -222,7 +200,7 @@ def _as_number(last: Expression, kind: str) -> Expression:
         return of("clock", last)
     if kind == "time":
         return of("length", spoken_of(last))
-    if last.word in _COMPARED:
+    if last.word in COMPARED:
         return next((each for each in last.arguments if each.value is None), last.arguments[0])
     if last.word in MEASURED:
         return of("amount", last.word)
@@ -232,15 +210,9 @@ def _as_number(last: Expression, kind: str) -> Expression:
     return of("amount", {"angle": "turn", "length": "slide"}.get(kind, "move"))
 
 
-def _bare(last: Expression) -> Expression:
-    """Return what was asked without its views, clips and spans."""
-    return head_of(last)
-
-
 def _unplaced(last: Expression, *, is_clip: bool) -> Expression:
     """Return what was asked without the span, or the clip, that another takes the place of."""
-    words = ("of-first", "of-second", "of-previous") if is_clip else ("within", "at")
-    if last.word in words:
+    if last.word in (CLIPS if is_clip else ("within", "at")):
         return _unplaced(last.arguments[-1], is_clip=is_clip)
     if last.word in (*EDIT_WORDS, *_PLACED):
         *outer, inner = last.arguments
@@ -268,22 +240,23 @@ def _of_another(expression: Expression, what: str, *, is_whole: bool = True) -> 
         word = what
     elif word.removesuffix(EVENTS) in MEASURED:
         word = f"{what}{EVENTS}"
-    is_whole = is_whole and word in (*EDIT_WORDS, *_PLACED, "as-object", "as-sensor", "plain")
+    is_whole = is_whole and word in AROUND
     arguments = _exchanged(expression.arguments, what, is_whole=is_whole)
+    if word == "unit":  # "turn" is a unit as well
+        arguments = (*expression.arguments[:1], *arguments[1:])
     return replace(expression, word=word, arguments=arguments)
 
 
-def _exchanged(value, what: str, *, is_whole: bool = False):
-    if isinstance(value, tuple):
-        return tuple(_exchanged(each, what, is_whole=is_whole) for each in value)
-    if isinstance(value, Case):
-        return replace(value, holds=_exchanged(value.holds, what))
+def _exchanged(value: Any, what: str, *, is_whole: bool = False) -> Any:
     if isinstance(value, Field):
         return replace(value, answer=_of_another(value.answer, what))
     if isinstance(value, Expression):
         other = _of_another(value, what, is_whole=is_whole)
         return other if is_whole or type_of(other) == type_of(value) else value
-    return what if value in MEASURED and what in MEASURED else value
+    if isinstance(value, str):
+        return what if value in MEASURED and what in MEASURED else value
+    is_whole = is_whole and isinstance(value, tuple)
+    return with_parts(value, lambda part: _exchanged(part, what, is_whole=is_whole))
 
 
 def _with_number(expression: Expression, number: Expression) -> Expression:
@@ -321,14 +294,13 @@ def spoken_of(expression: Expression) -> Expression:
 
 def _named(expression: Expression) -> str | None:
     """Return what kind of motion a primitive is of; None where it names none."""
-    word = expression.word.removesuffix(EVENTS)
-    named = (word, *(each for each in expression.arguments if isinstance(each, str)))
-    return next((word for word in named if word in (*COMPONENTS, *WAYS, "x", "y")), None)
+    words = (expression.word.removesuffix(EVENTS), *expression.arguments)
+    return next((word for word in words if isinstance(word, str) and word in COMPONENT), None)
 
 
 def _subject(expression: Expression) -> str | None:
     """Return what kind of motion an expression speaks of first; None where of none."""
-    return next((named for each in expression if (named := _named(each)) is not None), None)
+    return next((word for word in words_of(expression) if word in COMPONENT), None)
 
 
 def _events_of(expression: Expression) -> Expression:

@@ -1,45 +1,44 @@
-"""Measures: how far, how fast, how long and how often, arithmetic, and units."""
+"""How far, how fast and which way what moves goes in each world, and whether it does."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import astuple, replace
+from functools import reduce
 
 import numpy as np
 
+from geotlm_lm.core.geometry import travel_scale
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import COMPONENTS, Component
+from geotlm_lm.core.twist import COMPONENTS, MOVING_PX, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query.evaluate import (
-    COMPONENT,
     GRID,
     PRIMITIVES,
     Context,
     Floats,
     Numbers,
-    Spot,
     Untold,
-    evaluate,
     grid,
     inside,
     middle,
-    moments,
 )
-from geotlm_lm.query.program import Expression
-from geotlm_lm.query.units import (
-    clock_step,
-    clock_unit,
-    converted,
-    scale_of,
-)
-from geotlm_lm.query.worlds import COUNT, Worlds
-from geotlm_lm.track.events import TOGETHER_S
+from geotlm_lm.query.program import AXIS, COMPONENT, WAY_ATOMS, WAYS
+from geotlm_lm.query.worlds import COUNT, Bools, Happening, Worlds
 
 RATE_S = 0.2
 """Time over which a speed is measured: less is noise."""
 
 BACK = 0.5
 """Share of the way to its farthest point that is left, at the end, of what comes back."""
+
+ASLANT = 1 / 3
+"""Share of a slide's lesser travel in its greater from which on it is said to go that way too, and
+of a turn's way back in its way there."""
+
+_PLACE = {"turn": 0, "x": 1, "y": 2, "press": 3}
 
 
 def net(context: Context, component: Component) -> tuple[Floats, Floats]:
@@ -50,7 +49,6 @@ def net(context: Context, component: Component) -> tuple[Floats, Floats]:
     context.trace.components[component] = None
     begin, end = context.span
     end = end if context.now is None else context.now
-    shape = np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,))
     # Adding what is over costs as many numbers as there are worlds, not moments times worlds.
     total, whole, moved = np.zeros((COUNT, 4)), np.zeros((COUNT, 4)), np.zeros(COUNT, bool)
     for happening, share in inside(context, component):
@@ -58,36 +56,138 @@ def net(context: Context, component: Component) -> tuple[Floats, Floats]:
         total, whole = total + part, whole + np.abs(part)
         moved = moved | (happening.is_real & (share > 0))
     unseen = np.where(moved[..., None], 0.0, context.worlds.unseen)
-    shape = (*shape, 4)
+    shape = (*np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,)), 4)
     return np.broadcast_to(total + unseen, shape), np.broadcast_to(whole + np.abs(unseen), shape)
+
+
+def scale_of(context: Context) -> tuple[str, tuple[float, float]]:
+    """Return "px" or "mm" and how many of it are a pixel of our square across and down."""
+    frame, recording = context.frame, context.evidence.recording
+    usual = "px" if frame.mm_per_px is None else "mm"
+    wanted = context.length if context.length in ("px", "mm") else usual
+    if wanted == "mm" and frame.mm_per_px is None:
+        raise Untold("scale")
+    size = frame.mm_per_px if wanted == "mm" else None
+    _, scale = travel_scale(recording.rows, recording.columns, size)
+    is_turned = context.view.rotation[0] == 0  # columns are rows then
+    return wanted, scale[::-1] if is_turned else scale
 
 
 def measured(context: Context, atom: str, twist: Floats) -> Numbers:
     """Return how far something goes in a motion (..., 4): with a sign where the atom is a way."""
-    turn, right, down, inward = np.moveaxis(twist, -1, 0)
-    component = COMPONENT[atom]
-    if component is Component.TURN:
-        sign = {"cw": 1, "ccw": -1}.get(atom)
-        return Numbers(
-            np.abs(turn) if sign is None else sign * turn, "deg", TOLERANCES["deg"], atom
-        )
-    if component is Component.PRESS:
-        sign = {"in": 1, "out": -1}.get(atom)
-        far = np.abs(inward) if sign is None else sign * inward
-        return Numbers(far, "mm", TOLERANCES["mm"], atom)
-    unit, (across, along) = scale_of(context)
-    right, down = across * right, along * down
-    far = {
-        "slide": lambda: np.hypot(right, down),
-        "x": lambda: np.abs(right),
-        "y": lambda: np.abs(down),
-        "right": lambda: right,
-        "left": lambda: -right,
-        "down": lambda: down,
-        "up": lambda: -down,
-    }[atom]()
-    tolerance = TOLERANCES["px"] * (along if atom in ("y", "down", "up") else across)
+    component, unit, across, along = COMPONENT[atom], "deg", 1.0, 1.0
+    if component is Component.SLIDE:
+        unit, (across, along) = scale_of(context)
+    elif component is Component.PRESS:
+        unit = "mm"
+    scaled = twist * np.array([1.0, across, along, 1.0])
+    if atom in AXIS:
+        far = scaled @ AXIS[atom]
+    elif atom == "slide":
+        far = np.hypot(scaled[..., 1], scaled[..., 2])
+    else:
+        far = np.abs(scaled[..., _PLACE[atom]])
+    base = "px" if component is Component.SLIDE else unit
+    tolerance = TOLERANCES[base] * (along if atom in ("y", "down", "up") else across)
     return Numbers(far, unit, tolerance, atom)
+
+
+# What moves, and which way
+
+
+def trait(context: Context, word: str) -> Floats:
+    """Tell in which worlds something is so of the span, or of the moment."""
+    belief = context.worlds.belief
+    if word in ("touch", "none", "in", "out", "press") and not belief.is_contact_known:
+        raise Untold("contact")
+    if word in ("touch", "none"):
+        touches = _touched(context)
+        return touches if word == "touch" else 1 - touches
+    if word in ("still", "move"):
+        is_any = word == "still" or belief.is_contact_known
+        parts = COMPONENTS if is_any else COMPONENTS[:2]
+        moves = reduce(np.maximum, (_moves(context, component) for component in parts))
+        return moves if word == "move" else _touched(context) * (1 - moves)
+    if word in ("x", "y"):
+        sides = ("left", "right") if word == "x" else ("up", "down")
+        return np.maximum(*(_goes(context, side) for side in sides))
+    if word in ("tighten", "loosen"):
+        ways = [_goes(context, way) * (_tightens(context, way) == (word == "tighten"))
+                for way in ("cw", "ccw")]  # fmt: skip
+        return np.maximum(*ways)
+    context.trace.components[COMPONENT[word]] = None
+    return _moves(context, COMPONENT[word]) if word in p.COMPONENTS else _goes(context, word)
+
+
+def holds(context: Context, word: str) -> Bools:
+    """Return the worlds in which something is so of the span, (COUNT,)."""
+    return np.broadcast_to(trait(context, word), (COUNT,)) > 0
+
+
+def _touched(context: Context) -> Floats:
+    worlds = context.worlds
+    begin, end = context.span if context.now is None else (context.now, context.now)
+    is_inside = np.zeros(np.broadcast(begin, end).shape, bool)
+    for first, last in worlds.contacts:
+        is_inside = is_inside | ((np.asarray(begin) <= last) & (np.asarray(end) >= first))
+    return (worlds.touches & is_inside).astype(float)
+
+
+def _parts(context: Context, component: Component) -> Iterator[tuple[Happening, Bools, Floats]]:
+    """Yield what moves of a component: in which worlds, and the share of it that lies inside.
+
+    What begins or ends contact is a touch or a release and no press.
+    """
+    if context.now is None:
+        for happening, share in inside(context, component):
+            least = np.minimum(MOVING_PX, 0.999 * happening.path_px)
+            if not (component is Component.PRESS and happening.is_edge):
+                yield happening, happening.is_real & (share * happening.path_px >= least), share
+        return
+    now = np.asarray(context.now)
+    for happening in context.worlds.motions(component):
+        is_over = happening.begin_s > np.max(now) or happening.end_s < np.min(now)
+        if not is_over and not (component is Component.PRESS and happening.is_edge):
+            goes_on = (happening.begin_s <= now) & (now <= happening.end_s)
+            yield happening, happening.is_real & goes_on, np.ones(())
+
+
+def _moves(context: Context, component: Component) -> Floats:
+    moves = np.zeros(COUNT, bool)
+    for _, is_so, _ in _parts(context, component):
+        moves = moves | is_so
+    return moves.astype(float)
+
+
+def _goes(context: Context, way: str) -> Floats:
+    """Tell in which worlds it goes a way: by a third of the farthest that it goes any way."""
+    component = COMPONENT[way]
+    context.trace.components[component] = None
+    rivals = [other for other in WAYS if COMPONENT[other] is component]
+    axes = np.array([AXIS[rival] for rival in rivals], float).T
+    far = np.zeros((COUNT, len(rivals)))
+    for happening, is_so, share in _parts(context, component):
+        along = np.maximum(happening.twist @ axes, 0.0)
+        far = far + np.where(is_so, share, 0.0)[..., None] * along
+    own = far[..., rivals.index(way)]
+    return ((own > 0) & (own >= ASLANT * far.max(axis=-1))).astype(float)
+
+
+def _tightens(context: Context, way: str) -> bool:
+    frame = context.frame
+    if frame.contact_side == "side":
+        raise Untold("side")
+    if frame.missing_for_thread():
+        if _moves(context, Component.TURN).mean() < 0.5:
+            return way == "cw"  # it hardly turns: neither is probable, whatever thread
+        raise Untold("thread")
+    # A mirror that is only supposed would make another thread; who looks from where does not.
+    supposed = replace(context.edit, behind=False, sensor=False, rotation=context.edit.image)
+    recorded: Motion = context.view.inverse().of_way(WAY_ATOMS[way])
+    return bool(frame.tightens(supposed.of_way(recorded)))
+
+
+# How far and how fast
 
 
 def _atom(context: Context, atom: str) -> str:
@@ -115,9 +215,21 @@ def _farther(worlds: Worlds) -> Component | None:
     return farther if worlds.belief.moves(farther) >= 0.5 or worlds.is_timed else None
 
 
+def _readable(context: Context, atom: str) -> str:
+    """Return what an atom stands for.
+
+    Raises:
+        Untold: If it moves and the picture does not tell how far.
+    """
+    atom, belief = _atom(context, atom), context.worlds.belief
+    component = COMPONENT[atom]
+    if not belief.readable.get(component, True) and belief.moves(component) >= 0.5:
+        raise Untold("unreadable")
+    return atom
+
+
 def _net(context: Context, atom: str) -> Numbers:
-    atom = _atom(context, atom)
-    _require_readable(context, atom)
+    atom = _readable(context, atom)
     return measured(context, atom, net(context, COMPONENT[atom])[0])
 
 
@@ -125,58 +237,46 @@ def _amount(context: Context, atom: str) -> Numbers:
     """Return the net way; of what comes back how far it got, or how far it went a way."""
     if not comes_back(context, atom):
         return _net(context, atom)
-    return (_path if atom in p.WAYS else _peak)(context, atom)
-
-
-_AXIS = {"cw": "turn", "ccw": "turn", "left": "x", "right": "x", "up": "y", "down": "y",
-         "in": "press", "out": "press"}  # fmt: skip
+    return (_path if atom in WAYS else _peak)(context, atom)
 
 
 def comes_back(context: Context, atom: str) -> bool:
     """Tell whether something ends nearer to where it began than to where it got."""
     if context.now is not None or not context.worlds.is_timed:
         return False
-    atom = _AXIS.get(atom) or _atom(context, atom)
+    if atom in WAYS:
+        atom = list(_PLACE)[np.abs(AXIS[atom]).argmax()]
+    atom = _atom(context, atom)
     if not any(True for _ in inside(context, COMPONENT[atom])):
         return False
-    far, at_most = (np.median(each(context, atom).values) for each in (_net, _peak))
+    far, at_most = (np.median(way(context, atom).values) for way in (_net, _peak))
     return bool(far < BACK * at_most)
-
-
-def _require_readable(context: Context, atom: str) -> None:
-    belief = context.worlds.belief
-    component = COMPONENT[atom]
-    if not belief.readable.get(component, True) and belief.moves(component) >= 0.5:
-        raise Untold("unreadable")
 
 
 def _path(context: Context, atom: str) -> Numbers:
     """Return how far it goes there and back; of a way all that goes it."""
-    atom = _atom(context, atom)
-    _require_readable(context, atom)
-    component = COMPONENT[atom]
+    atom = _readable(context, atom)
     still = measured(context, atom, np.zeros((COUNT, 4)))
     total = still.values
-    for happening, share in inside(context, component):
+    for happening, share in inside(context, COMPONENT[atom]):
         part = measured(context, atom, share[..., None] * happening.twist)
         total = total + np.maximum(part.values, 0.0)
-    context.trace.components[component] = None
+    context.trace.components[COMPONENT[atom]] = None
     return still.also(total)
 
 
 def _edges(context: Context, atom: str) -> tuple[Floats, Numbers]:
     """Return the moments between which nothing turns back, and the way up to each."""
-    worlds = context.worlds
     begin, end = (middle(context, each) for each in context.span)
     times = {float(begin), float(end)}
-    for happening in worlds.motions(COMPONENT[atom]):
+    for happening in context.worlds.motions(COMPONENT[atom]):
         times |= {t for t in (happening.begin_s, happening.end_s) if begin <= t <= end}
-    grid = np.array(sorted(times))
-    return grid, _net(replace(context, now=grid[:, None]), atom)
+    edges = np.array(sorted(times))
+    return edges, _net(replace(context, now=edges[:, None]), atom)
 
 
 def _peak(context: Context, atom: str) -> Numbers:
-    _, way = _edges(context, atom := _atom(context, atom))
+    _, way = _edges(context, _atom(context, atom))
     return way.also(way.values.max(axis=0))
 
 
@@ -191,8 +291,8 @@ def _moving_s(context: Context, component: Component) -> Floats:
     begin, end = context.span
     total = np.zeros(COUNT)
     for happening in context.worlds.motions(component):
-        inside = np.minimum(end, happening.end_s) - np.maximum(begin, happening.begin_s)
-        total = total + happening.is_real * np.maximum(inside, 0.0)
+        lasting = np.minimum(end, happening.end_s) - np.maximum(begin, happening.begin_s)
+        total = total + happening.is_real * np.maximum(lasting, 0.0)
     return total
 
 
@@ -206,16 +306,17 @@ def _speed(context: Context, atom: str) -> Numbers:
         seconds = context.evidence.recording.seconds
         if not seconds:
             raise Untold("rate")
-        return way.also(
-            way.values / seconds, unit=f"{way.unit}/s", tolerance=way.tolerance / seconds
-        )
+        return _over(way, way.values / seconds, "s", seconds)
     moving = _moving_s(context, COMPONENT[atom])
-    moving = np.where(moving > 0, moving, np.nan) / clock_step(context)
+    moving = np.where(moving > 0, moving, np.nan) / context.clock_step
     seconds = float(np.median(moving[np.isfinite(moving)])) if np.isfinite(moving).any() else 1.0
     values = np.where(np.isnan(moving), 0.0, way.values / np.nan_to_num(moving, nan=1.0))
-    return way.also(
-        values, unit=f"{way.unit}/{clock_unit(context)}", tolerance=way.tolerance / seconds
-    )
+    return _over(way, values, context.clock_unit, seconds)
+
+
+def _over(way: Numbers, values: Floats, unit: str, time: float) -> Numbers:
+    """Return how fast a way is gone."""
+    return way.also(values, unit=f"{way.unit}/{unit}", tolerance=way.tolerance / time)
 
 
 def _rate(context: Context, atom: str, now: Floats) -> Numbers:
@@ -223,15 +324,13 @@ def _rate(context: Context, atom: str, now: Floats) -> Numbers:
     early = np.maximum(now - RATE_S / 2, worlds.begin_s)
     late = np.minimum(now + RATE_S / 2, worlds.end_s)
     way = _net(context.within(early, late), atom)
-    ticks = np.maximum(late - early, 1e-9) / clock_step(context)
-    return way.also(way.values / ticks, unit=f"{way.unit}/{clock_unit(context)}",
-                    tolerance=way.tolerance * clock_step(context) / RATE_S)  # fmt: skip
+    ticks = np.maximum(late - early, 1e-9) / context.clock_step
+    return _over(way, way.values / ticks, context.clock_unit, RATE_S / context.clock_step)
 
 
 def _fastest(context: Context, atom: str) -> tuple[float, Numbers]:
     """Return when it is fastest, in the middle of the worlds, and how fast it is there."""
-    best: tuple[float, float] = (-math.inf, 0.0)
-    times = grid(context)
+    atom, best, times = _atom(context, atom), (-math.inf, 0.0), grid(context)
     for first in range(0, len(times), GRID):
         part = times[first : first + GRID]
         speeds = np.median(_rate(context, atom, part[:, None]).values, axis=1)
@@ -245,105 +344,8 @@ def _limit(context: Context, atom: str) -> Numbers:
     belief = context.worlds.belief
     if component not in belief.limits:
         raise Untold("contact")
-    mean = belief.at_limit.mean
-    twist = np.array([mean.turn_deg, mean.right_px, 0.0, mean.inward_mm])
-    numbers = measured(context, component.value, np.tile(twist, (COUNT, 1)))
+    numbers = measured(context, component.value, np.tile(astuple(belief.at_limit.mean), (COUNT, 1)))
     return numbers.also(np.abs(numbers.values))
-
-
-def duration(context: Context, clock_s: Floats) -> Numbers:
-    """Return times of the track's clock in seconds, or in frames where no rate is known."""
-    step = clock_step(context)
-    return Numbers(clock_s / step, clock_unit(context), TOGETHER_S / step)
-
-
-def length_of(spot: Spot) -> Floats:
-    """Return how long a span is in each world, (COUNT,)."""
-    return np.broadcast_to(np.asarray(spot.end) - np.asarray(spot.begin), (COUNT,))
-
-
-def _length(context: Context, span: Expression) -> Numbers:
-    context.timed()
-    return duration(context, length_of(evaluate(span, context)))
-
-
-def _lasts(context: Context, events: Expression) -> Numbers:
-    """Return for how long some events go on, all together; what overlaps counts once."""
-    context.timed()
-    lasting = evaluate(events, context)
-    total, until = np.zeros(COUNT), np.full(COUNT, -math.inf)
-    begin, end = context.span
-    for happening, is_so in zip(lasting.happenings, lasting.is_so, strict=True):
-        first = np.maximum(np.maximum(happening.begin_s, begin), until)
-        last = np.minimum(happening.end_s, end)
-        total = total + np.where(is_so, np.maximum(last - first, 0.0), 0.0)
-        until = np.where(is_so, np.maximum(until, last), until)
-    return duration(context, total)
-
-
-def _time_while(context: Context, inner: Expression) -> Numbers:
-    """Return for how long something is so: each frame stands for the time around it."""
-    times = grid(context)
-    weights = np.gradient(times) if len(times) > 1 else np.zeros(1)
-    weights[[0, -1]] /= 2
-    total, at = np.zeros(COUNT), 0
-    for part, holds in moments(context, inner):
-        total = total + weights[at : at + len(part)] @ holds
-        at += len(part)
-    return duration(context, total)
-
-
-def _share(context: Context, inner: Expression) -> Numbers:
-    length = length_of(Spot(*context.span))
-    share = _time_while(context, inner).values / np.maximum(length, 1e-9)
-    return Numbers(100 * np.minimum(share, 1.0), "percent", 2.0)
-
-
-def _count(context: Context, events: Expression) -> Numbers:
-    return Numbers(evaluate(events, context).is_so.sum(axis=0).astype(float), "")
-
-
-def _delay(context: Context, early: Expression, late: Expression) -> Numbers:
-    far = np.asarray(evaluate(late, context)) - np.asarray(evaluate(early, context))
-    return duration(context, np.broadcast_to(far, (COUNT,)))
-
-
-def _clock(context: Context, time: Expression) -> Numbers:
-    at = np.asarray(evaluate(time, context)) - context.timed().begin_s
-    return duration(context, np.broadcast_to(at, (COUNT,)))
-
-
-def _fact(context: Context, value: float | None, unit: str, reason: str = "rate") -> Numbers:
-    if value is None:
-        raise Untold(reason)
-    return Numbers(np.full(COUNT, float(value)), unit)
-
-
-def placed(context: Context) -> tuple[float, float]:
-    """Return where the middle of the contact lies: shares of the width and of the height."""
-    area = context.evidence.area
-    if area is None:
-        raise Untold("place")
-    a, b, c, d = context.view.rotation
-    x, y = area.across - 0.5, area.down - 0.5
-    return a * x + b * y + 0.5, c * x + d * y + 0.5
-
-
-def _size(context: Context, pixels: int) -> Numbers:
-    return converted(context, Numbers(np.full(COUNT, float(pixels)), "px"), scale_of(context)[0])
-
-
-def _area(context: Context) -> Numbers:
-    area = context.evidence.area
-    if area is None:
-        raise Untold("share")
-    return Numbers(np.full(COUNT, 100 * area.share), "percent", 5.0)
-
-
-def _chance(context: Context, inner: Expression) -> Numbers:
-    holds = np.nan_to_num(evaluate(inner, context))
-    share = np.broadcast_to(holds, np.broadcast_shapes(holds.shape, (COUNT,))).mean(-1)
-    return Numbers(np.repeat(100 * share[..., None], COUNT, axis=-1), "percent", 2.0)
 
 
 PRIMITIVES |= {
@@ -352,25 +354,9 @@ PRIMITIVES |= {
     "path": _path,
     "peak": _peak,
     "speed": _speed,
-    "top-speed": lambda context, atom: _fastest(context, _atom(context, atom))[1],
+    "top-speed": lambda context, atom: _fastest(context, atom)[1],
     "limit": _limit,
-    "length": _length,
-    "lasts": _lasts,
-    "time-while": _time_while,
-    "share": _share,
-    "count": _count,
-    "delay": _delay,
-    "clock": _clock,
-    "area": _area,
-    "place-x": lambda context: _fact(context, 100 * placed(context)[0], "percent"),
-    "place-y": lambda context: _fact(context, 100 * placed(context)[1], "percent"),
-    "frame-rate": lambda context: _fact(context, context.evidence.recording.rate_hz, "frame/s"),
-    "frame-width": lambda context: _size(context, context.evidence.recording.columns),
-    "frame-height": lambda context: _size(context, context.evidence.recording.rows),
-    "frame-count": lambda context: _fact(context, context.evidence.recording.frames, ""),
-    "chance": _chance,
     "peak-time": _peak_time,
-    "top-speed-time": lambda context, atom: np.full(
-        COUNT, _fastest(context, _atom(context, atom))[0]
-    ),
+    "top-speed-time": lambda context, atom: np.full(COUNT, _fastest(context, atom)[0]),
+    **{word: lambda context, word=word: trait(context, word) for word in p.TRAITS},
 }

@@ -6,7 +6,6 @@ so.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -19,27 +18,24 @@ from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component
 from geotlm_lm.motion.belief import PX_PER_MM, SPAN_DEVIATIONS
-from geotlm_lm.query.amounts import Measure, measure
 from geotlm_lm.query.arithmetic import SPAN
 from geotlm_lm.query.evaluate import (
-    WAY,
     Context,
-    Floats,
     Numbers,
     Trace,
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import measured, net
-from geotlm_lm.query.program import UNITS, of
-from geotlm_lm.query.truths import trait
-from geotlm_lm.query.types import ATOM_OF
+from geotlm_lm.query.measures import holds, measured, net
+from geotlm_lm.query.program import ATOM_OF, AXIS, UNITS, of
 from geotlm_lm.query.values import (
+    Measure,
     Moved,
     Movement,
     Shown,
+    measure,
 )
-from geotlm_lm.query.worlds import COUNT, KINDS, Happening, way_of
+from geotlm_lm.query.worlds import COUNT, Happening, path_px, way_of
 
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
@@ -62,18 +58,11 @@ def spread(numbers: Numbers, is_so: NDArray[np.bool_], context: Context) -> tupl
     far = np.maximum(far, numbers.slack)
     far = np.where(numbers.unit == "" and numbers.tolerance > 0, numbers.tolerance, far)
     if numbers.unit in UNITS["time"]:  # as exact as frames are
-        amount = replace(amount, decimals=_decimals(numbers.unit, context))
+        whole, finer = numbers.unit in ("frame", "ms", "us"), 2 * (numbers.unit == "min")
+        decimals = context.evidence.recording.decimals + finer
+        amount = replace(amount, decimals=0 if whole else decimals)
     right = known & (np.abs(values - amount.value) <= far + 1e-9)
     return amount, float(right.mean())
-
-
-def _decimals(unit: str, context: Context) -> int:
-    """Return with how many decimals a time is told, so that no frame has that of another."""
-    if unit in ("frame", "ms", "us"):
-        return 0
-    recording = context.evidence.recording
-    step_s = recording.step_s or 1 / (recording.rate_hz or 1.0)
-    return max(1, math.ceil(-math.log10(step_s) - 1e-9)) + 2 * (unit == "min")
 
 
 def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
@@ -84,7 +73,7 @@ def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
     belief = context.worlds.belief
     touching = np.ones(COUNT)
     if belief.is_contact_known:
-        touching = np.broadcast_to(trait(context, "touch"), (COUNT,))
+        touching = holds(context, "touch")
     else:
         asked = tuple(each for each in asked if each is not Component.PRESS)
     edit = context.view
@@ -99,11 +88,11 @@ def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
     denied = tuple(each for each in asked if each not in moving)
     right = np.ones(COUNT, bool)
     for each in denied:
-        right &= np.broadcast_to(trait(context, each.value), (COUNT,)) == 0
+        right &= ~holds(context, each.value)
     limits = _limits(context, denied, is_at_rest=not named)
     unmoved = {"denied": denied, "limits": limits, "edit": edit, "of": of("way", "all")}
     if not named:
-        rest = float(np.broadcast_to(trait(context, "still"), (COUNT,)).mean())
+        rest = float(holds(context, "still").mean())
         return Moved(rest=Motion.STILL, probability=rest, **unmoved)
     named = _sure_together(named, asked, moving, right)
     for each in named:
@@ -131,31 +120,28 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     belief = context.worlds.belief
     if component is Component.PRESS and not belief.is_contact_known:
         return None
-    moves = np.broadcast_to(trait(context, component.value), (COUNT,)) > 0
+    moves = holds(context, component.value)
     if moves.mean() < 0.5:
         return None
-    twist = np.broadcast_to(net(context, component)[0], (COUNT, 4))
+    twist, whole_twist = (np.broadcast_to(each, (COUNT, 4)) for each in net(context, component))
     # How far it goes each way on the mean; of two ways the rarer does not cancel the other.
-    along = {way: float(np.maximum(twist[moves] @ _axis(way), 0).mean()) for way in WAYS[component]}
+    axes = {way: AXIS[ATOM_OF[way]] for way in WAYS[component]}
+    along = {way: np.maximum(twist[moves] @ axis, 0).mean() for way, axis in axes.items()}
     way = max(along, key=along.__getitem__)
-    goes = {each: np.broadcast_to(trait(context, ATOM_OF[each]), (COUNT,)) > 0 for each in along}
+    goes = {each: holds(context, ATOM_OF[each]) for each in along}
     aslant = _aslant(goes, way) if component is Component.SLIDE else None
     right = moves & (goes[way] if aslant is None else goes[way] | goes[aslant])
-    path = float(np.median(_paths(context, component, twist)[moves]))
+    path = float(np.median(path_px(component, twist, belief.radius_px)[moves]))
     barely = path < (BARELY_MM if component is Component.PRESS else BARELY_PX)
     amount = whole = None
     if belief.readable.get(component, True):
         amount, _ = spread(measured(context, component.value, twist), moves, context)
-        there = measured(context, component.value, net(context, component)[1])
+        there = measured(context, component.value, whole_twist)
         back_and_forth, _ = spread(there, moves, context)
         is_longer = back_and_forth.mean >= LONGER * amount.mean and context.worlds.is_timed
         whole = back_and_forth if is_longer and component is not Component.PRESS else None
     return Movement(way, aslant, amount, float(right.mean()), barely,
                     _ends(context, component), whole), right  # fmt: skip
-
-
-def _axis(way: Motion) -> Floats:
-    return np.array(WAY[ATOM_OF[way]][1], dtype=float)
 
 
 def _aslant(goes: dict[Motion, NDArray[np.bool_]], way: Motion) -> Motion | None:
@@ -165,21 +151,11 @@ def _aslant(goes: dict[Motion, NDArray[np.bool_]], way: Motion) -> Motion | None
     return other if goes[other].mean() >= 0.5 else None
 
 
-def _paths(context: Context, component: Component, twist: Floats) -> Floats:
-    radius = max(context.worlds.belief.radius_px, 1.0)
-    if component is Component.TURN:
-        return np.abs(np.radians(twist[:, 0])) * radius
-    return (
-        np.hypot(twist[:, 1], twist[:, 2]) if component is Component.SLIDE else np.abs(twist[:, 3])
-    )
-
-
 def _path_px(context: Context, component: Component) -> float:
     """Return how far a component moves the imprint, by which what is larger comes first."""
     twist = np.broadcast_to(net(context, component)[1], (COUNT, 4))
-    return float(np.median(_paths(context, component, twist))) * (
-        PX_PER_MM if component is Component.PRESS else 1.0
-    )
+    far = float(np.median(path_px(component, twist, context.worlds.belief.radius_px)))
+    return far * (PX_PER_MM if component is Component.PRESS else 1.0)
 
 
 def _ends(context: Context, component: Component) -> tuple[float, float] | None:
@@ -235,13 +211,13 @@ def moved_along(context: Context, axis: str) -> Moved:
     slide = moved(context, (Component.SLIDE,))
     if slide.rest or slide.denied:
         return slide
-    moving = np.broadcast_to(trait(context, axis), (COUNT,)) > 0
+    moving = holds(context, axis)
     if moving.mean() < 0.5:
         right = min(slide.probability, 1 - float(moving.mean()))
         return replace(slide, still_axis=axis, probability=right)
     twist = np.broadcast_to(net(context, Component.SLIDE)[0], (COUNT, 4))
     ways = {"x": (Motion.LEFT, Motion.RIGHT), "y": (Motion.UP, Motion.DOWN)}[axis]
-    goes = {way: (twist @ _axis(way) > 0) & moving for way in ways}
+    goes = {way: (twist @ AXIS[ATOM_OF[way]] > 0) & moving for way in ways}
     way = max(goes, key=lambda each: goes[each].mean())
     amount, _ = spread(measured(context, axis, twist), moving, context)
     right = float(goes[way].mean())
@@ -258,36 +234,36 @@ def moved_on_thread(context: Context) -> Moved:
     turn = moved(context, (Component.TURN,))
     if turn.rest or turn.denied:
         return turn  # neither tightens nor loosens
-    chances = {word: float(np.mean(trait(context, word))) for word in ("tighten", "loosen")}
+    chances = {word: float(holds(context, word).mean()) for word in ("tighten", "loosen")}
     if min(chances.values()) >= 0.5:  # there and back: it does both, one after the other
         return replace(turn, tightens=None, probability=min(chances.values()))
     word = max(chances, key=chances.__getitem__)
     return replace(turn, tightens=word == "tighten", probability=chances[word])
 
 
-def shown_in(context: Context, at_s: float | None = None) -> tuple[Shown, ...]:
-    """Return what an answer has looked at of what likely happens; of a moment what goes on."""
-    happenings = context.trace.happenings.values() if context.worlds.is_timed else ()
+def shown_in(
+    context: Context, components: tuple[Component, ...] = COMPONENTS, at_s: float | None = None
+) -> tuple[Shown, ...]:
+    """Return what an answer has looked at of what likely happens, motions of some components only.
+
+    Of a moment, seconds, what goes on at it.
+    """
+    seen = context.trace.happenings.values() if context.worlds.is_timed else ()
+    likely = (each for each in seen if each.probability >= 0.5)
     if at_s is not None:
-        happenings = [
-            each for each in happenings if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9
-        ]
-    return tuple(shown(context, each) for each in sorted(happenings, key=lambda each: each.begin_s)
-                 if each.probability >= 0.5)  # fmt: skip
+        likely = (each for each in likely if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9)
+    likely = (each for each in likely if each.component in (None, *components))
+    return tuple(shown(context, each) for each in sorted(likely, key=lambda each: each.begin_s))
 
 
-def of_components(shown: tuple[Shown, ...], components: tuple[Component, ...]) -> tuple[Shown, ...]:
-    """Return what is shown but for motions of other components."""
-    return tuple(each for each in shown if KINDS.get(each.kind) in (None, *components))
-
-
-def story_of(context: Context) -> tuple[Shown, ...]:
-    """Return all that likely happens in the span, by when it begins."""
+def story_of(context: Context, components: tuple[Component, ...] = COMPONENTS) -> tuple[Shown, ...]:
+    """Return all that likely happens in the span, by when it begins; motions of some components."""
     if not context.worlds.is_timed:
         return ()
     begin, end = (middle(context, each) for each in context.span)
     likely = [each for each in context.worlds.happenings if each.probability >= 0.5]
-    inside = [each for each in likely if each.end_s >= begin and each.begin_s <= end]
+    own = [each for each in likely if each.component in (None, *components)]
+    inside = [each for each in own if each.end_s >= begin and each.begin_s <= end]
     parts = [(each, clipped(each, begin, end)) for each in inside]
     # What only touches the span's border lies outside; what happens at one moment has no length.
     return tuple(shown(context, part) for each, part in parts

@@ -7,24 +7,110 @@ Numbers and the words of a template are never spelled: they are the k-th of the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS, Edit
-from geotlm_lm.query.types import (
-    SETTINGS,
-    TALK,
-    TOPICS,
-    UNANSWERABLE,
-    UNITS,
-    Fact,
-    Quantity,
-    Slot,
-)
+from geotlm_lm.core.labels import Motion
+from geotlm_lm.core.twist import COMPONENT_OF, Component
 
-WAYS = ("cw", "ccw", "left", "right", "up", "down", "in", "out")
-COMPONENTS = ("turn", "slide", "press")
+WAY_ATOMS = {
+    "cw": Motion.CLOCKWISE,
+    "ccw": Motion.COUNTERCLOCKWISE,
+    "left": Motion.LEFT,
+    "right": Motion.RIGHT,
+    "up": Motion.UP,
+    "down": Motion.DOWN,
+    "in": Motion.PRESS,
+    "out": Motion.RELEASE,
+}
+"""Words of programs for ways, and the motions that they are."""
+
+ATOM_OF = {way: atom for atom, way in WAY_ATOMS.items()}
+
+UNITS = {
+    "angle": ("deg", "rad", "mrad", "gon", "turn", "arcmin"),
+    "length": ("px", "mm", "cm", "m", "um", "inch", "thou"),
+    "time": ("s", "ms", "us", "min", "frame"),
+    "share": ("percent",),
+}
+
+
+def dimension_of(unit: str) -> str:
+    """Return what a unit measures, a key of `UNITS`, of a speed its way's; "" of none."""
+    top = unit.partition("/")[0]
+    return next((kind for kind, units in UNITS.items() if top in units), "")
+
+
+UNANSWERABLE = (
+    "force", "identity", "material", "look", "size", "quality", "temperature", "sound", "future",
+    "advice", "cause", "place", "tilt", "axis", "world", "language", "off-topic",
+)  # fmt: skip
+"""What is asked that touch, or this program, cannot tell."""
+
+TALK = ("greeting", "thanks", "fine", "bye", "doubt", "who", "statement")
+TOPICS = ("duration", "frames", "rate", "interval", "size", "used", "scale")
+SETTINGS = ("frame", "mirrored", "turned", "mover", "thread", "side", "options")
+
+
+@dataclass(frozen=True)
+class Slot:
+    """The k-th quantity of the question, from 1."""
+
+    index: int
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit; an empty unit where none is told, "deg/s" of a speed."""
+
+    value: float
+    unit: str = ""
+
+
+Number = Slot | Quantity
+
+
+@dataclass(frozen=True)
+class Fact:
+    """Something stated of the set-up.
+
+    Args:
+        name: One of `lines.FACTS`.
+        value: Its setting, or None.
+        numbers: Its quantities.
+        denied: It is stated not to hold (any more).
+    """
+
+    name: str
+    value: str | None = None
+    numbers: tuple[Number, ...] = ()
+    denied: bool = False
+
+
+WAYS = tuple(WAY_ATOMS)
+COMPONENTS = tuple(component.value for component in Component)
+
+AXIS = {
+    "cw": (1, 0, 0, 0),
+    "ccw": (-1, 0, 0, 0),
+    "left": (0, -1, 0, 0),
+    "right": (0, 1, 0, 0),
+    "up": (0, 0, -1, 0),
+    "down": (0, 0, 1, 0),
+    "in": (0, 0, 0, 1),
+    "out": (0, 0, 0, -1),
+}
+"""Where each way goes in a motion's four numbers: turn, right, down, inward."""
+
+COMPONENT = {
+    **{word: COMPONENT_OF[way] for word, way in WAY_ATOMS.items()},
+    **{component.value: component for component in Component},
+    **dict.fromkeys(("x", "y"), Component.SLIDE),
+}
+"""What of a motion a word is of."""
+
 MEASURED = (*COMPONENTS, *WAYS, "x", "y", "move")
 """What goes a way: "move" the longer of turn and slide, "x" and "y" along columns and rows."""
 
@@ -39,8 +125,7 @@ EVENTS = "-events"
 """Ends the word for all that happens of a kind: "cw-events"."""
 
 ASKED = ("all", *COMPONENTS, "x", "y", "thread", "sign")
-PER = {"per-s": 1.0, "per-ms": 0.001, "per-min": 60.0, "per-frame": None}
-"""Times that an amount may be told per, in seconds; a frame's follows from the recording."""
+PER = ("per-s", "per-ms", "per-min", "per-frame")
 
 COUNTS = tuple(map(str, range(13)))
 """Numbers that a program may spell, for "once" and "the second half"."""
@@ -54,6 +139,9 @@ LABELS = (
 
 GOING = ("amount", "net", "path", "peak", "speed", "top-speed")
 """How far, or how fast, something goes; "amount" of what comes back is how far it got."""
+
+COMPARED = (">", "<", "=", "~", "in-range")
+"""Truths about numbers: the first is what is measured."""
 
 OVER_EVENTS = ("mean-of", "median-of", "sum-of", "most-of", "least-of", "spread-of")
 """One number made of that of each event."""
@@ -176,7 +264,7 @@ NAMES = {
     "half": HALVES,
     "asked": ASKED,
     "unit": tuple(unit for units in UNITS.values() for unit in units),
-    "per": tuple(PER),
+    "per": PER,
     "decimals": COUNTS[:7],
     "setting": SETTINGS,
     "topic": TOPICS,
@@ -185,13 +273,22 @@ NAMES = {
 }
 """Types whose values are names alone."""
 
+MOVERS = {"as-object": False, "as-sensor": True}
+"""Whose motion is meant, whatever it was before, and whether that is the sensor's."""
+
+CLIPS = {"of-first": 0, "of-second": 1, "of-previous": 0}
+"""Which of two clips is meant, and its place."""
+
+AROUND = (*EDIT_WORDS, *MOVERS, *CLIPS, "within", "at", "plain")
+"""Views, clips and spans: what is put around an expression and leaves its type what it is."""
+
 _WRAPPERS: Mapping[str, tuple[str, ...]] = {
     "within": ("span", "*"),
     "at": ("time", "*"),
     **{edit: ("*",) for edit in EDIT_WORDS},
-    **{clip: ("*",) for clip in ("of-first", "of-second", "of-previous")},
+    **{clip: ("*",) for clip in CLIPS},
     "if": ("bool", "*", "*"),
-    **{mover: ("*",) for mover in ("as-object", "as-sensor")},  # whatever it was before
+    **{mover: ("*",) for mover in MOVERS},
     "again": (),  # what was asked last
     "plain": ("*",),  # without the views and spans that were asked for before
     "instead": ("what", "*"),  # the same of something else: "and the slide?", "and how fast?"
@@ -296,6 +393,12 @@ class Program:
     form: str = "sentence"
 
 
+def leans(program: Program) -> bool:
+    """Tell whether a program is whole only with what was asked before."""
+    words = {each.word for answer in program.answers for each in answer}
+    return not words.isdisjoint(("again", *LEANING))
+
+
 def type_of(expression: Expression) -> str:
     """Return the type that an expression gives."""
     if expression.value is not None:
@@ -307,21 +410,26 @@ def type_of(expression: Expression) -> str:
     return next(name for name, words in _PLAIN.items() if expression.word in words)
 
 
+def with_parts(value: Any, change: Callable[[Any], Any]) -> Any:
+    """Return a program, or a part of one, with each of its own parts changed; names stay."""
+    if isinstance(value, tuple):
+        return tuple(map(change, value))
+    if not isinstance(value, Program | Expression | Case | Field | Fact):
+        return value
+    parts = {
+        name: change(inner)
+        for name, inner in vars(value).items()
+        if isinstance(inner, tuple | Expression | Slot | Quantity | Text)
+    }
+    return replace(value, **parts)
+
+
 def normal(value: Any) -> Any:
     """Return a program, or a part of one, with each run of views in its shortest words.
 
     A view that is taken back at once is none.
     """
-    if isinstance(value, tuple):
-        return tuple(map(normal, value))
-    if not isinstance(value, Program | Expression | Case | Field):
-        return value
-    parts = {
-        name: normal(inner)
-        for name, inner in vars(value).items()
-        if isinstance(inner, tuple | Expression) and name not in ("facts", "texts")
-    }
-    value = replace(value, **parts)
+    value = with_parts(value, normal)
     words, inner = [], value
     while isinstance(inner, Expression) and inner.word in EDIT_WORDS:
         words.append(inner.word)
@@ -380,15 +488,4 @@ def filled(value: Any, quantities: Sequence[Quantity], texts: Sequence[str] = ()
         return quantities[value.index - 1]
     if isinstance(value, Text):
         return texts[value.index - 1]
-    if isinstance(value, tuple):
-        return tuple(filled(item, quantities, texts) for item in value)
-    if isinstance(value, Program | Expression | Case | Field | Fact):
-        return replace(
-            value,
-            **{
-                name: filled(inner, quantities, texts)
-                for name, inner in vars(value).items()
-                if isinstance(inner, tuple | Expression | Slot | Text)
-            },
-        )
-    return value
+    return with_parts(value, lambda part: filled(part, quantities, texts))

@@ -1,32 +1,205 @@
-"""Read a question: a small decoder writes its query, word by word, of well-formed ones only.
+"""Read a question: a small decoder writes its program, word by word, of well-formed ones only.
 
 It sees the text and nothing else, so what is read cannot depend on a clip. Question tokens see each
 other both ways, as the prefix of a prefix language model (Raffel et al. 2020, T5, 3.2.1).
+
+The words of texts are byte pairs of its own vocabulary. Behind those ids lie the words of a
+program, the slots among them, and beside a number's slot its unit and its size, roughly. A number's
+digits are never read nor written: an answer's are copied from the value that it tells.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from string import ascii_lowercase
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from tokenizers import Tokenizer
 
 from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
-from geotlm_lm.language.size import TEXT
-from geotlm_lm.query.fitting import fitting
-from geotlm_lm.query.lexicon import Lexicon
-from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import Program, filled
-from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.spelling import Spelling
-from geotlm_lm.query.words import END
+from geotlm_lm.language.size import SLOTS, TEXT
+from geotlm_lm.query.lines import END, PROGRAM_WORDS, fitting, read
+from geotlm_lm.query.program import MOST_SLOTS, UNITS, Program, filled
+from geotlm_lm.query.quantities import Copied, Quantity, Stated, copied, find
+
+SHORTEST, SHORTEST_WHOLE = 3, 6
+"""Letters of a word of which two are swapped, and of one that has lost one."""
+
+_WORD = re.compile(r"[^\W\d_]+")
+
+
+@dataclass(frozen=True)
+class Lexicon:
+    """Words that a reader knows.
+
+    Args:
+        words: In lower case, the most frequent first.
+        frequent: How many of them are mended to.
+    """
+
+    words: tuple[str, ...] = ()
+    frequent: int = 0
+
+    def mended(self, text: str) -> str:
+        """Return a text with its misspelt words as they were meant; others stay as they are."""
+        return _WORD.sub(lambda match: self._meant(match[0]), text) if self.words else text
+
+    @cached_property
+    def _rank(self) -> dict[str, int]:
+        return {word: place for place, word in enumerate(self.words)}
+
+    @cached_property
+    def _longest(self) -> int:
+        return max(map(len, self.words), default=0)
+
+    def _meant(self, written: str) -> str:
+        word = written.lower()
+        if word in self._rank or not SHORTEST <= len(word) <= self._longest:
+            return written
+        ranks = (self._rank.get(meant, self.frequent) for meant in slipped_from(word))
+        place = min(ranks, default=0)
+        return self.words[place] if place < self.frequent else written
+
+
+def slipped_from(word: str) -> Iterator[str]:
+    """Yield what a word may be a slip of."""
+    for at in range(len(word) - 1):
+        yield word[:at] + word[at + 1] + word[at] + word[at + 2 :]
+    if len(word) + 1 >= SHORTEST_WHOLE:
+        for at in range(1, len(word)):
+            yield from (word[:at] + letter + word[at:] for letter in ascii_lowercase)
+
+
+UNIT_WORDS = (
+    "unit:none",
+    "unit:per",
+    *(f"unit:{unit}" for units in UNITS.values() for unit in units),
+)
+SIZES = (0, 1, 2, 45, 90, 180, 270, 360)
+"""Values that may mean more than an amount: a mount "turned by 90 degrees"."""
+SIZE_WORDS = ("size:negative", "size:other", *(f"size:{size}" for size in SIZES))
+READ = "<read>"
+"""Ends the question; the query begins."""
+
+SAY = "<say>"
+"""Begins the answer."""
+SLOT_TOKENS = tuple(f"<{slot}>" for slot in SLOTS)
+NUMBERS = tuple(f"={place}" for place in range(1, 10))
+"""Numbers of an answer in their order, which are copied from its value."""
+
+WORDS = (READ, END, SAY, *SLOT_TOKENS, *NUMBERS, *PROGRAM_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+_NUMBER = re.compile(r"\d+(?:\.\d+)?")
+_SPACES = re.compile(r"\s+")
+
+
+@dataclass(frozen=True)
+class Spelled:
+    """A question for its reader."""
+
+    ids: list[int]  # up to and with `READ`
+    quantities: tuple[Stated, ...]  # the quantities that stand as slots, placed in the mended text
+    copied: tuple[Copied, ...] = ()  # the words that may be copied, likewise
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """Ids of texts and of queries.
+
+    Args:
+        tokenizer: Byte pairs of question texts.
+        words: All that is not of the text, in the order of their ids.
+        lexicon: Words of texts, in whose favour slips of the fingers are mended.
+    """
+
+    tokenizer: Tokenizer
+    words: tuple[str, ...] = WORDS
+    lexicon: Lexicon = Lexicon()
+
+    @cached_property
+    def id_of(self) -> dict[str, int]:
+        """Id of each word that is not of the text."""
+        first = self.tokenizer.get_vocab_size()
+        return {word: first + place for place, word in enumerate(self.words)}
+
+    @property
+    def size(self) -> int:
+        """How many ids there are."""
+        return self.tokenizer.get_vocab_size() + len(self.words)
+
+    def question(self, text: str) -> Spelled:
+        """Return the ids of a question: mended, lower case, its first numbers as slots."""
+        text = self.lexicon.mended(text)
+        stated, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[:MOST_SLOTS])
+        marks = [(each.start, each.end, f"#{k}", _beside(each)) for k, each in enumerate(stated, 1)]
+        # A word that may be copied is read as well: its place stands before it.
+        marks += [(each.start, each.start, f"@{k}", []) for k, each in enumerate(words, 1)]
+        ids: list[int] = []
+        at = 0
+        for start, end, slot, beside in sorted(marks, key=lambda mark: mark[0]):
+            ids += self.text(text[at:start])
+            ids += [self.id_of[word] for word in (slot, *beside)]
+            at = max(at, end)
+        ids += self.text(text[at:])
+        return Spelled([*ids, self.id_of[READ]], stated, words)
+
+    def query(self, words: Sequence[str]) -> list[int]:
+        """Return a query's ids, its end among them."""
+        return [self.id_of[word] for word in (*words, END)]
+
+    def sentence(self, text: str) -> list[int] | None:
+        """Return an answer's ids from `SAY` to its end; None where it has too many numbers."""
+        ids, at = [self.id_of[SAY]], 0
+        numbers = list(_NUMBER.finditer(text))
+        if len(numbers) > len(NUMBERS):
+            return None
+        for word, match in zip(NUMBERS, numbers, strict=False):
+            ids += [*self.text(text[at : match.start()]), self.id_of[word]]
+            at = match.end()
+        return [*ids, *self.text(text[at:]), self.id_of[END]]
+
+    def sentence_of(self, ids: Sequence[int], value: str) -> str:
+        """Return the text of an answer's ids behind `SAY`, with its value's numbers."""
+        numbers, first, text = _NUMBER.findall(value), self.tokenizer.get_vocab_size(), ""
+        parts: list[int] = []
+        for each in (*ids, self.id_of[END]):
+            if each < first:
+                parts.append(each)
+                continue
+            text += self.tokenizer.decode(parts) if parts else ""
+            parts, word = [], self.words[each - first]
+            if word in NUMBERS:
+                place = NUMBERS.index(word)
+                text += numbers[place] if place < len(numbers) else "?"
+        return text
+
+    def text(self, text: str) -> list[int]:
+        """Return the byte pairs of a text without numbers."""
+        cleaned = cleaned_text(text)
+        return self.tokenizer.encode(cleaned).ids if cleaned.strip() else []
+
+
+def cleaned_text(text: str) -> str:
+    """Return a text as it is read: lower case, single spaces."""
+    return _SPACES.sub(" ", text).lower()
+
+
+def _beside(placed: Stated) -> list[str]:
+    unit, value = placed.quantity.unit, placed.quantity.value
+    top, _, bottom = unit.partition("/")
+    words = [f"unit:{top}" if top else "unit:none", *(["unit:per"] if bottom else [])]
+    size = next((f"size:{each}" for each in SIZES if value == each), "size:other")
+    return [*words, "size:negative" if value < 0 else size]
+
 
 SPELLING_FILE = "spelling.json"
 
@@ -156,10 +329,6 @@ class Reader:
         chance = min(max(chance, 1e-6), 1 - 1e-6)
         return 1 / (1 + math.exp(-(slope * math.log(chance / (1 - chance)) + offset)))
 
-    def calibrated_as(self, other: Reader) -> Reader:
-        """Return the same reader with another's calibration."""
-        return Reader(self.decoder, self.spelling, other.calibration)
-
     def _written(
         self,
         begun: _Begun,
@@ -232,3 +401,91 @@ def spelled_by(folder: Path) -> tuple[Spelling, dict[str, Any]]:
     tokenizer = Tokenizer.from_file(str(folder / "tokenizer.json"))
     lexicon = Lexicon(tuple(about["lexicon"].split()), int(about["frequent_words"]))
     return Spelling(tokenizer, tuple(about["words"]), lexicon), about
+
+
+@dataclass(frozen=True, eq=False)
+class TactilePrefix:
+    """A clip as the language model sees it: its tactile prefix and slots.
+
+    Args:
+        cache: Them as a sequence.
+        slots: Of each slot the log-probabilities of its words, in the order of `SLOTS`.
+    """
+
+    cache: TextCache
+    slots: dict[str, Floats]
+
+
+class Speaker:
+    """Speaks for the language model.
+
+    Args:
+        decoder: Its weights.
+        spelling: Its ids.
+    """
+
+    def __init__(self, decoder: SequenceDecoder, spelling: Spelling) -> None:
+        self.decoder, self.spelling = decoder, spelling
+        self._slots = [spelling.id_of[token] for token in SLOT_TOKENS]
+
+    def prefix(self, numbers: NDArray[np.floating]) -> TactilePrefix:
+        """Return a clip's tactile prefix and slots.
+
+        Args:
+            numbers: The fused token and what is believed, (clip width,), unitless.
+
+        Raises:
+            ValueError: If the shape is another, or a number is not finite.
+        """
+        numbers = np.asarray(numbers, np.float32)
+        if numbers.shape != (self.decoder.clip_width,) or not np.isfinite(numbers).all():
+            raise ValueError(
+                f"a clip was read as {numbers.shape} numbers, expected "
+                f"({self.decoder.clip_width},), all finite"
+            )
+        cache, logits = self.decoder.prefixed(numbers, self._slots)
+        ids = ([self.spelling.id_of[word] for word in words] for words in SLOTS.values())
+        slots = {
+            slot: log_softmax(row[among])
+            for slot, row, among in zip(SLOTS, logits, ids, strict=True)
+        }
+        return TactilePrefix(cache, slots)
+
+    def says(self, prefix: TactilePrefix, question: str, line: str, text: str) -> bool:
+        """Tell whether an answer, its numbers aside, is what the model says, word for word.
+
+        One pass tells it: the model's likeliest next token is that of the text at every place.
+        """
+        ids = self.spelling.sentence(text)
+        if ids is None or len(ids) > MOST_SAID:
+            return False
+        before = self._asked(question, line)
+        hidden = self._read(prefix, before, ids[:-1])[0][len(before) :]
+        return self.decoder.logits(hidden).argmax(axis=1).tolist() == ids[1:]
+
+    def sentence(self, prefix: TactilePrefix, question: str, line: str, value: str) -> str:
+        """Return what the model says, with the numbers of a value as it is worded."""
+        begin = self.spelling.id_of[SAY]
+        hidden, cache = self._read(prefix, self._asked(question, line), [begin])
+        written: list[int] = []
+        while len(written) < MOST_SAID:
+            written.append(int(self.decoder.logits(hidden[-1]).argmax()))
+            if written[-1] == self.spelling.id_of[END]:
+                break
+            hidden = self.decoder.speak(self.decoder.embeddings[written[-1:]], cache)
+        return self.spelling.sentence_of(written, value)
+
+    def _asked(self, question: str, line: str) -> list[int]:
+        return self.spelling.question(question).ids + self.spelling.query(line.split())
+
+    def _read(
+        self, prefix: TactilePrefix, asked: Sequence[int], sentence: Sequence[int]
+    ) -> tuple[Floats, TextCache]:
+        """Return the hidden states of question, program and sentence behind a clip."""
+        ids, clip = [*asked, *sentence], prefix.cache.length
+        cache = prefix.cache.copied(len(ids) + MOST_SAID)
+        sight = np.tri(len(ids), clip + len(ids), clip, dtype=bool)
+        read = asked.index(self.spelling.id_of[READ]) + 1
+        sight[: len(asked), :clip] = False  # question and program are blind to the clip
+        sight[:read, clip : clip + read] = True
+        return self.decoder.speak(self.decoder.embeddings[ids], cache, sight), cache

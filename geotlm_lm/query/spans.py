@@ -2,30 +2,31 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geotlm_lm.query import program as p
+from geotlm_lm.query.arithmetic import converted
 from geotlm_lm.query.evaluate import (
     PRIMITIVES,
-    WAY,
     Context,
     Events,
     Floats,
+    Numbers,
     Spot,
     Untold,
     evaluate,
+    grid,
     middle,
     moments,
 )
-from geotlm_lm.query.measures import length_of
-from geotlm_lm.query.program import Expression
-from geotlm_lm.query.truths import ASLANT
-from geotlm_lm.query.units import clock_unit, converted
+from geotlm_lm.query.measures import ASLANT
+from geotlm_lm.query.program import AXIS, COMPONENT, WAYS, Expression
 from geotlm_lm.query.worlds import COUNT, Bools, Happening, Worlds, gaps, instant
 from geotlm_lm.track.events import TOGETHER_S, EventKind
 
@@ -45,12 +46,12 @@ def _moment(context: Context, inner: Expression) -> Floats:
         if context.view.backwards:
             times = (worlds.begin_s + worlds.end_s - times)[::-1]
         return np.interp(stated.values, numbers, times)
-    if clock_unit(context) != "s":
+    if context.clock_unit != "s":
         raise Untold("rate")
     return converted(context, replace(stated, unit=unit), "s").values
 
 
-def duration(context: Context, inner: Expression, whole: Floats) -> Floats:
+def _stated_time(context: Context, inner: Expression, whole: Floats) -> Floats:
     """Return a stated time span on the recording's clock; a share is one of `whole`."""
     stated = evaluate(inner, context)
     if stated.unit == "percent":
@@ -59,7 +60,7 @@ def duration(context: Context, inner: Expression, whole: Floats) -> Floats:
         track = context.timed().track
         steps = max(int(track.numbers[-1] - track.numbers[0]), 1)
         return stated.values * track.seconds / steps
-    if clock_unit(context) != "s":
+    if context.clock_unit != "s":
         raise Untold("rate")
     return converted(context, stated, "s").values if stated.unit else stated.values
 
@@ -76,7 +77,7 @@ def _edge(name: str):
 def _shifted(sign: int):
     def shifted(context: Context, time: Expression, by: Expression) -> Floats:
         at = evaluate(time, context)
-        return at + sign * duration(context, by, length_of(Spot(*context.span)))
+        return at + sign * _stated_time(context, by, Spot(*context.span).length)
 
     return shifted
 
@@ -91,56 +92,81 @@ def _first_time(context: Context, inner: Expression, *, is_last: bool = False) -
     return first
 
 
-# Numbers
+def _duration(context: Context, clock_s: Floats) -> Numbers:
+    """Return times of the track's clock in seconds, or in frames where no rate is known."""
+    step = context.clock_step
+    return Numbers(clock_s / step, context.clock_unit, TOGETHER_S / step)
 
 
-def _recording(context: Context) -> Spot:
-    worlds = context.worlds
-    return Spot(np.asarray(worlds.begin_s), np.asarray(worlds.end_s))
+def _length(context: Context, span: Expression) -> Numbers:
+    context.timed()
+    return _duration(context, evaluate(span, context).length)
 
 
-def _contact(context: Context) -> Spot:
-    return Spot(*context.contact)
+def _lasts(context: Context, events: Expression) -> Numbers:
+    """Return for how long some events go on, all together; what overlaps counts once."""
+    context.timed()
+    lasting = evaluate(events, context)
+    total, until = np.zeros(COUNT), np.full(COUNT, -math.inf)
+    begin, end = context.span
+    for happening, is_so in zip(lasting.happenings, lasting.is_so, strict=True):
+        first = np.maximum(np.maximum(happening.begin_s, begin), until)
+        last = np.minimum(happening.end_s, end)
+        total = total + np.where(is_so, np.maximum(last - first, 0.0), 0.0)
+        until = np.where(is_so, np.maximum(until, last), until)
+    return _duration(context, total)
 
 
-def _here(context: Context) -> Spot:
-    return Spot(*context.span)
+def _time_while(context: Context, inner: Expression) -> Numbers:
+    """Return for how long something is so: each frame stands for the time around it."""
+    times = grid(context)
+    weights = np.gradient(times) if len(times) > 1 else np.zeros(1)
+    weights[[0, -1]] /= 2
+    total, at = np.zeros(COUNT), 0
+    for part, holds in moments(context, inner):
+        total = total + weights[at : at + len(part)] @ holds
+        at += len(part)
+    return _duration(context, total)
+
+
+def _share(context: Context, inner: Expression) -> Numbers:
+    length = Spot(*context.span).length
+    share = _time_while(context, inner).values / np.maximum(length, 1e-9)
+    return Numbers(100 * np.minimum(share, 1.0), "percent", 2.0)
+
+
+def _count(context: Context, events: Expression) -> Numbers:
+    return Numbers(evaluate(events, context).is_so.sum(axis=0).astype(float), "")
+
+
+def _delay(context: Context, early: Expression, late: Expression) -> Numbers:
+    far = np.asarray(evaluate(late, context)) - np.asarray(evaluate(early, context))
+    return _duration(context, np.broadcast_to(far, (COUNT,)))
+
+
+def _clock(context: Context, time: Expression) -> Numbers:
+    at = np.asarray(evaluate(time, context)) - context.timed().begin_s
+    return _duration(context, np.broadcast_to(at, (COUNT,)))
 
 
 def _between(context: Context, early: Expression, late: Expression) -> Spot:
-    one, two = evaluate(early, context), evaluate(late, context)
-    return Spot(np.minimum(one, two), np.maximum(one, two))
+    ends = evaluate(early, context), evaluate(late, context)
+    return Spot(np.minimum(*ends), np.maximum(*ends))
 
 
-def _trimmed(context: Context, far: Expression, span: Expression) -> tuple[Spot, Floats]:
+def _trimmed(context: Context, far: Expression, span: Expression, *, is_final: bool) -> Spot:
     context.timed()
     spot = evaluate(span, context)
-    length = length_of(spot)
-    return spot, np.minimum(duration(context, far, length), length)
+    length = np.minimum(_stated_time(context, far, spot.length), spot.length)
+    begin, end = (spot.end - length, spot.end) if is_final else (spot.begin, spot.begin + length)
+    return Spot(begin, end)
 
 
-def _initial(context: Context, far: Expression, span: Expression) -> Spot:
-    spot, length = _trimmed(context, far, span)
-    return Spot(spot.begin, spot.begin + length)
-
-
-def _final(context: Context, far: Expression, span: Expression) -> Spot:
-    spot, length = _trimmed(context, far, span)
-    return Spot(spot.end - length, spot.end)
-
-
-def _until(context: Context, time: Expression) -> Spot:
+def _beyond(context: Context, time: Expression, *, is_until: bool) -> Spot:
     context.timed()
-    begin, _ = context.contact
+    begin, end = context.contact
     at = evaluate(time, context)
-    return Spot(np.minimum(begin, at), at)
-
-
-def _since(context: Context, time: Expression) -> Spot:
-    context.timed()
-    _, end = context.contact
-    at = evaluate(time, context)
-    return Spot(at, np.maximum(end, at))
+    return Spot(np.minimum(begin, at), at) if is_until else Spot(at, np.maximum(end, at))
 
 
 def _part(context: Context, k: Expression, n: Expression, span: Expression) -> Spot:
@@ -155,30 +181,30 @@ def _part(context: Context, k: Expression, n: Expression, span: Expression) -> S
 
 def _around(context: Context, time: Expression, far: Expression) -> Spot:
     at = evaluate(time, context)
-    half = duration(context, far, length_of(Spot(*context.span)))
+    half = _stated_time(context, far, Spot(*context.span).length)
     return Spot(at - half, at + half)
 
 
-def events(context: Context, kind: str) -> Events:
-    """Return what happens of a kind in the span, by when it begins."""
-    worlds = context.timed()
-    if kind in ("touch", "none", "in", "out", "press") and not worlds.belief.is_contact_known:
-        raise Untold("contact")
-    happenings, masks = [], []
-    begin, end = context.span
-    for happening, is_so in _of_kind(worlds, kind):
-        is_inside = (np.asarray(end) >= happening.begin_s) & (np.asarray(begin) <= happening.end_s)
-        if happening.begin_s < happening.end_s:  # an instant's overlap is none
-            overlap = np.minimum(end, happening.end_s) - np.maximum(begin, happening.begin_s)
-            is_inside = is_inside & (overlap > 1e-9)
-        happenings.append(happening)
-        masks.append(np.broadcast_to(is_so & is_inside, (COUNT,)))
-        context.trace.happenings[id(happening)] = happening
-    return Events(tuple(happenings), np.array(masks, dtype=bool).reshape(len(masks), COUNT))
-
-
 def _events(kind: str):
-    return lambda context: events(context, kind)
+    def events(context: Context) -> Events:
+        """Return what happens of a kind in the span, by when it begins."""
+        worlds = context.timed()
+        of_contact = ("touch", "none", "in", "out", "press")
+        if kind in of_contact and not worlds.belief.is_contact_known:
+            raise Untold("contact")
+        happenings, masks = [], []
+        begin, end = (np.asarray(each) for each in context.span)
+        for happening, is_so in _of_kind(worlds, kind):
+            is_inside = (end >= happening.begin_s) & (begin <= happening.end_s)
+            if happening.begin_s < happening.end_s:  # an instant's overlap is none
+                overlap = np.minimum(end, happening.end_s) - np.maximum(begin, happening.begin_s)
+                is_inside = is_inside & (overlap > 1e-9)
+            happenings.append(happening)
+            masks.append(np.broadcast_to(is_so & is_inside, (COUNT,)))
+            context.trace.happenings[id(happening)] = happening
+        return Events.of(happenings, masks)
+
+    return events
 
 
 _KINDS = {
@@ -195,7 +221,8 @@ _SIDES = {"x": ("left", "right"), "y": ("up", "down")}
 def _of_kind(worlds: Worlds, kind: str) -> Iterator[tuple[Happening, Bools]]:
     """Yield happenings, and in which worlds each is of a kind."""
     if kind in ("pause", "contact"):
-        spans = _pauses(worlds) if kind == "pause" else _contacts(worlds)
+        touching = (_lasting(EventKind.TOUCH, *span, worlds.touches) for span in worlds.contacts)
+        spans = _pauses(worlds) if kind == "pause" else touching
         yield from ((span, span.is_real) for span in spans)
         return
     before = np.zeros(COUNT)
@@ -213,8 +240,10 @@ def _of_kind(worlds: Worlds, kind: str) -> Iterator[tuple[Happening, Bools]]:
                 yield happening, happening.is_real
         elif kind == "any":
             yield happening, happening.is_real
-        elif kind in WAY or kind in _SIDES:
-            ways = [way for way in _SIDES.get(kind, (kind,)) if WAY[way][0] is happening.component]
+        elif kind in WAYS or kind in _SIDES:
+            ways = [
+                way for way in _SIDES.get(kind, (kind,)) if COMPONENT[way] is happening.component
+            ]
             if ways:
                 yield (
                     happening,
@@ -225,7 +254,7 @@ def _of_kind(worlds: Worlds, kind: str) -> Iterator[tuple[Happening, Bools]]:
 
 
 def _goes(happening: Happening, way: str) -> Bools:
-    along = happening.twist @ np.array(WAY[way][1], dtype=float)
+    along = happening.twist @ np.array(AXIS[way], dtype=float)
     is_slide = happening.kind is EventKind.SLIDE
     far = np.abs(happening.twist[:, 1:3]).max(axis=1) if is_slide else along
     return (along > 0) & (along >= ASLANT * far)
@@ -247,78 +276,60 @@ def _pauses(worlds: Worlds) -> list[Happening]:
     moving = [
         (each.begin_s, each.end_s)
         for each in worlds.motions()
-        if each.kind in (EventKind.TURN, EventKind.SLIDE) and each.probability >= 0.5
+        if each.kind in _KINDS["move"] and each.probability >= 0.5
     ]
     if not moving:
         return []
     whole = (min(begin for begin, _ in moving), max(end for _, end in moving))
-    return [replace(instant(EventKind.STICK, begin, worlds.touches), end_s=end)
-             for begin, end in gaps(moving, whole)]  # fmt: skip
+    return [_lasting(EventKind.STICK, *span, worlds.touches) for span in gaps(moving, whole)]
 
 
-def _contacts(worlds: Worlds) -> list[Happening]:
-    return [replace(instant(EventKind.TOUCH, begin, worlds.touches), end_s=end)
-            for begin, end in worlds.contacts]  # fmt: skip
+def _lasting(kind: EventKind, begin_s: float, end_s: float, is_real: Bools) -> Happening:
+    return replace(instant(kind, begin_s, is_real), end_s=end_s)
 
 
 def _gaps(context: Context, inner: Expression) -> Events:
     """Return the times between what likely happens of some events."""
-    events = evaluate(inner, context)
-    likely = [each for each, is_so in zip(events.happenings, events.is_so, strict=True)
-              if is_so.mean() >= 0.5]  # fmt: skip
     spans = [
-        replace(instant(EventKind.STICK, one.end_s, one.is_real & two.is_real), end_s=two.begin_s)
-        for one, two in pairwise(likely)
-        if two.begin_s > one.end_s
+        _lasting(EventKind.STICK, before.end_s, after.begin_s, before.is_real & after.is_real)
+        for before, after in pairwise(evaluate(inner, context).likely)
+        if after.begin_s > before.end_s
     ]
-    masks = np.array([each.is_real for each in spans], dtype=bool)
-    return Events(tuple(spans), masks.reshape(len(spans), COUNT))
+    return Events.of(spans, [each.is_real for each in spans])
 
 
 def _such(context: Context, condition: Expression, inner: Expression) -> Events:
-    events = evaluate(inner, context)
-    if not events.happenings:
-        return events
-    masks = []
+    events, masks = evaluate(inner, context), []
     for happening, is_so in zip(events.happenings, events.is_so, strict=True):
-        ends = np.asarray(happening.begin_s), np.asarray(happening.end_s)
-        holds = evaluate(condition, context.within(*ends))
-        masks.append(is_so & (np.nan_to_num(holds) > 0))
-    return Events(events.happenings, np.array(masks))
+        is_met = evaluate(condition, context.within(*happening.ends))
+        masks.append(is_so & (np.nan_to_num(is_met) > 0))
+    return Events.of(events.happenings, masks)
 
 
-def _picked(context: Context, events: Events, place: NDArray[np.int64]) -> Spot:
-    """Return one of some events in each world; none where `place` is negative."""
-    if not events.happenings:
+def _picked(context: Context, events: Events, is_it: Bools, score: Floats | float = 0.0) -> Spot:
+    """Return the one of some events with the highest score in each world; NaN where there is none.
+
+    Args:
+        context: Where it is told that a world lacks one.
+        events: To pick from.
+        is_it: In which worlds each may be picked, (events, COUNT).
+        score: Of each, as broadcast to that.
+    """
+    if not is_it.any(axis=0).all():
         context.trace.reason = "none-such"
+    if not events.happenings:
         nowhere = np.full(COUNT, np.nan)
         return Spot(nowhere, nowhere)
     ends = np.array([(each.begin_s, each.end_s) for each in events.happenings])
-    spans = np.where((place >= 0)[:, None], ends[np.maximum(place, 0)], np.nan)
-    if (place < 0).any():
-        context.trace.reason = "none-such"
+    place = np.where(is_it, score, -np.inf).argmax(axis=0)
+    spans = np.where(is_it.any(axis=0)[:, None], ends[place], np.nan)
     return Spot(spans[:, 0], spans[:, 1])
 
 
-def _nth(context: Context, events: Events, count: Floats) -> Spot:
-    if not events.happenings:
-        return _picked(context, events, np.full(COUNT, -1))
-    order = np.cumsum(events.is_so, axis=0)
-    is_it = events.is_so & (order == count)
-    return _picked(context, events, np.where(is_it.any(axis=0), is_it.argmax(axis=0), -1))
-
-
-def _first(context: Context, inner: Expression) -> Spot:
-    return _nth(context, evaluate(inner, context), np.ones(COUNT))
-
-
-def _last(context: Context, inner: Expression) -> Spot:
+def _nth(context: Context, inner: Expression, count: Callable[[Events], Floats | float]) -> Spot:
     events = evaluate(inner, context)
-    return _nth(context, events, events.is_so.sum(axis=0).astype(float))
-
-
-def _of_number(context: Context, k: Expression, inner: Expression) -> Spot:
-    return _nth(context, evaluate(inner, context), evaluate(k, context).values)
+    order = np.cumsum(events.is_so, axis=0)
+    return _picked(context, events, events.is_so & (order == count(events)))
 
 
 _SIZES: dict[str, Callable[[Happening], Floats]] = {
@@ -329,29 +340,21 @@ _SIZES: dict[str, Callable[[Happening], Floats]] = {
 _LEAST = dict(zip(("smallest", "shortest", "slowest"), _SIZES.values(), strict=True))
 
 
-def _most(size: Callable[[Happening], Floats], *, least: bool = False):
-    sign = -1.0 if least else 1.0
-
+def _most(size: Callable[[Happening], Floats], sign: float):
     def most(context: Context, inner: Expression) -> Spot:
         events = evaluate(inner, context)
-        if not events.happenings:
-            return _picked(context, events, np.full(COUNT, -1))
         sizes = np.array([np.broadcast_to(size(each), (COUNT,)) for each in events.happenings])
-        sizes = np.where(events.is_so, sign * sizes, -np.inf)
-        is_any = np.isfinite(sizes.max(axis=0))
-        return _picked(context, events, np.where(is_any, sizes.argmax(axis=0), -1))
+        return _picked(context, events, events.is_so, sign * sizes.reshape(-1, COUNT))
 
     return most
 
 
 def _beside(context: Context, inner: Expression, others: Expression, *, is_next: bool) -> Spot:
     spot, events = evaluate(inner, context), evaluate(others, context)
-    if not events.happenings:
-        return _picked(context, events, np.full(COUNT, -1))
     begins = np.array([each.begin_s for each in events.happenings])[:, None]
     is_it = events.is_so & (begins > spot.begin if is_next else begins < spot.begin)
-    place = is_it.argmax(axis=0) if is_next else len(begins) - 1 - is_it[::-1].argmax(axis=0)
-    return _picked(context, events, np.where(is_it.any(axis=0), place, -1))
+    order = np.arange(len(begins))[:, None]
+    return _picked(context, events, is_it, -order if is_next else order)
 
 
 def _nothing_before(_: Context, *__: Expression) -> Spot:
@@ -359,6 +362,13 @@ def _nothing_before(_: Context, *__: Expression) -> Spot:
 
 
 PRIMITIVES |= {
+    "length": _length,
+    "lasts": _lasts,
+    "time-while": _time_while,
+    "share": _share,
+    "count": _count,
+    "delay": _delay,
+    "clock": _clock,
     **{word: _nothing_before for word in p.LEANING},
     "t": _moment,
     "begin": _edge("begin"),
@@ -366,24 +376,24 @@ PRIMITIVES |= {
     "later": _shifted(1),
     "earlier": _shifted(-1),
     "first-time": _first_time,
-    "last-time": lambda context, inner: _first_time(context, inner, is_last=True),
-    "recording": _recording,
-    "contact": _contact,
-    "here": _here,
+    "last-time": partial(_first_time, is_last=True),
+    "recording": lambda context: Spot(*context.recorded),
+    "contact": lambda context: Spot(*context.contact),
+    "here": lambda context: Spot(*context.span),
     "between": _between,
-    "initial": _initial,
-    "final": _final,
-    "until": _until,
-    "since": _since,
+    "initial": partial(_trimmed, is_final=False),
+    "final": partial(_trimmed, is_final=True),
+    "until": partial(_beyond, is_until=True),
+    "since": partial(_beyond, is_until=False),
     "part": _part,
     "around": _around,
-    "first": _first,
-    "last": _last,
-    "nth": _of_number,
-    **{name: _most(size) for name, size in _SIZES.items()},
-    **{name: _most(size, least=True) for name, size in _LEAST.items()},
-    "next": lambda context, one, others: _beside(context, one, others, is_next=True),
-    "previous": lambda context, one, others: _beside(context, one, others, is_next=False),
+    "first": lambda context, events: _nth(context, events, lambda _: 1),
+    "last": lambda context, events: _nth(context, events, lambda each: each.is_so.sum(axis=0)),
+    "nth": lambda context, k, events: _nth(context, events, lambda _: evaluate(k, context).values),
+    **{name: _most(size, 1.0) for name, size in _SIZES.items()},
+    **{name: _most(size, -1.0) for name, size in _LEAST.items()},
+    "next": partial(_beside, is_next=True),
+    "previous": partial(_beside, is_next=False),
     "such": _such,
     "gaps": _gaps,
     **{f"{kind}{p.EVENTS}": _events(kind) for kind in p.KINDS},

@@ -6,17 +6,17 @@ their tolerance and are the same wherever they stand.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
+from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion, MotionClass
+from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.phrases import (
     DENIED,
+    KIND_WORDS,
     TRAIT_WORDS,
     all_of,
     amount_phrase,
@@ -26,14 +26,12 @@ from geotlm_lm.query.phrases import (
     label_of,
     limit_phrase,
     movement_phrase,
-    opposite_phrase,
+    replies,
     undoing_phrase,
     way_phrase,
     where_phrase,
 )
-from geotlm_lm.query.program import TRAITS, Expression, head_of, measure_of
-from geotlm_lm.query.replies import replies
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.program import TRAITS, WAY_ATOMS, Expression, head_of, measure_of
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -41,6 +39,7 @@ from geotlm_lm.query.values import (
     Movement,
     Placed,
     Record,
+    Recording,
     Remark,
     Shown,
     Times,
@@ -58,13 +57,7 @@ SMALL = 0.2
 """Share of the longest path below which a motion is left out of a story."""
 
 _REST = {Motion.STILL: "it touches but does not move", Motion.NONE: "nothing touches the gel"}
-_KINDS = {
-    Component.TURN: MotionClass.ROTATION,
-    Component.SLIDE: MotionClass.SLIDE,
-    Component.PRESS: MotionClass.PRESS,
-}
 MOVING = (EventKind.TURN, EventKind.SLIDE)
-_WAY_WORDS = (*(way.value for way in WAY_ATOMS.values()),)
 OFF_CENTRE = 1 / 6
 """Share of the image's side from its middle beyond which a place is no longer the middle's."""
 
@@ -123,9 +116,7 @@ class Teller:
         """Return a time: "1.24 s", or a frame's number of a recording without a rate."""
         if self.recording.rate_hz is None:
             return f"frame {self.frames(time_s)}"
-        step_s = self.recording.step_s or 1 / self.recording.rate_hz
-        decimals = max(1, math.ceil(-math.log10(step_s) - 1e-9))
-        whole, part = f"{time_s:.{decimals}f}".split(".")
+        whole, part = f"{time_s:.{self.recording.decimals}f}".split(".")
         return f"{whole}.{part.rstrip('0') or '0'} s"
 
     def frames(self, time_s: float) -> int:
@@ -177,7 +168,7 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
         way = WAY_ATOMS.get(first.atom)
         if way is not None and first.value < 0:  # the other way
             first = replace(first, mean=-first.mean)
-            return f"about {amount_phrase(first)} {opposite_phrase(way)}"
+            return f"about {amount_phrase(first)} {opposite(way).value}"
         is_about = first.deviation > 0 and (first.unit != "" or first.tolerance > 0)
         text = f"{'about ' * is_about}{amount_phrase(first)}"
         if compared.at_s is not None:
@@ -220,7 +211,7 @@ _SELF_EVIDENT = ("touch", "none", "lies", "ever", "always", "speeds-up", "slows-
 def _each(teller: Teller, values: Sequence[Value]) -> str:
     """Return what is so of each of two clips: "the first turns left, the second about 3 px"."""
     parts = [f"the {value.clip} {_in_short(teller, value)}" for value in values]
-    ways = [way for value in values if isinstance(value, Moved) for way in _ways(value)]
+    ways = [way for value in values if isinstance(value, Moved) for way in value.ways]
     return f"{', '.join(parts)}{teller.where(values[-1], ways)}"
 
 
@@ -231,15 +222,9 @@ def _in_short(teller: Teller, value: Value) -> str:
         return f"{'about ' * (value.amount.deviation > 0)}{amount_phrase(value.amount)}"
     if isinstance(value, Moved):
         if not value.movements:
-            return {Motion.STILL: "does not move", None: "does not move"}.get(
-                value.rest, "touches nothing"
-            )
+            return "touches nothing" if value.rest is Motion.NONE else "does not move"
         return all_of([movement_phrase(move) for move in value.movements])
     return teller.tell(value).text.rstrip(".").lower()
-
-
-def _ways(value: Moved) -> list[Motion]:
-    return [move.way for move in value.movements]
 
 
 def _one_after_another(value: Value) -> list[Shown]:
@@ -265,7 +250,7 @@ def _clause(teller: Teller, motion: Moved) -> str:
         if motion.rest is Motion.STILL:
             rest += limit_phrase(limits.get(Component.SLIDE, ()))
         return f"{who} does not {denied}: {rest}" if denied else rest
-    ways = [move.way for move in motion.movements]
+    ways = motion.ways
     if motion.edit.undo:
         if denied:
             return f"{who} does not {denied}: nothing of that is to be undone"
@@ -297,11 +282,11 @@ def _amount(teller: Teller, value: Amount) -> str:
     if value.both:
         way = WAY_ATOMS[head.arguments[0]]
         there, back = map(amount_phrase, value.both)
-        gone = f"{there} {way.value} and {back} {opposite_phrase(way)}"
+        gone = f"{there} {way.value} and {back} {opposite(way).value}"
         net_text = f": net {text}" if head.word == "net" else ""
         return f"{gone}{teller.where(motion, [way])}{net_text}"
     if is_of_a_way and motion is not None and motion.movements:
-        ways = [move.way for move in motion.movements]
+        ways = motion.ways
         named = joined([way_phrase(move) for move in motion.movements])
         text += f": {named}{teller.where(motion, ways)}"
         path = motion.movements[0].path
@@ -349,8 +334,8 @@ def _moved(teller: Teller, value: Moved) -> str:
 def _kind(teller: Teller, value: Moved) -> str:
     if value.rest is not None:
         return {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[value.rest]
-    kinds = [_KINDS[move.component].value for move in value.movements]
-    ways = [move.way for move in value.movements]
+    kinds = [KIND_WORDS[move.component] for move in value.movements]
+    ways = value.ways
     named = joined([way_phrase(move) for move in value.movements])
     return f"a {' and a '.join(kinds)}: {named}{teller.where(value, ways)}"
 
@@ -379,7 +364,7 @@ def _story(teller: Teller, value: Value, shown: Sequence[Shown]) -> str:
         event = _event(teller, each)
         is_same = before.kind is each.kind and each.kind in MOVING
         text += f", {event.partition(' ')[2]}" if is_same else f"; {event}"
-    ways = [each.way for each in shown if each.kind in (EventKind.TURN, EventKind.SLIDE)]
+    ways = [each.way for each in shown if each.kind in MOVING]
     return text + teller.where(value, ways)
 
 
@@ -424,13 +409,14 @@ def _choice(teller: Teller, value: Choice) -> str:
     if motion is None or (not motion.movements and motion.rest is None):
         return f"{both}{joined(names)}"
     is_way = any(case.label is None and case.holds.word in WAY_ATOMS for case in cases)
-    ways = [move.way for move in motion.movements] if is_way else []
+    ways = motion.ways if is_way else []
     return f"{both}{joined(names)}{teller.where(motion, ways)}"
 
 
 def _alternatives(value: Choice) -> str:
     """Return the likeliest ways and rests, each with its probability."""
-    words = [*_WAY_WORDS, "holding still", "no contact"][: len(value.chances)]
+    ways = (way.value for way in WAY_ATOMS.values())
+    words = [*ways, "holding still", "no contact"][: len(value.chances)]
     ranked = sorted(zip(value.chances, words, strict=False), reverse=True)
     likely = [f"{word} {chance:.0%}" for chance, word in ranked[:3] if chance >= 0.01]
     return joined(likely or [f"{ranked[0][1]} {ranked[0][0]:.0%}"])

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 from functools import lru_cache
 from itertools import pairwise
 from statistics import NormalDist
@@ -75,6 +75,15 @@ def _quantiles() -> Floats:
     return np.array([bell.inv_cdf((place + 0.5) / COUNT) for place in range(COUNT)])
 
 
+def path_px(component: Component | None, twist: Floats, radius_px: float) -> Floats:
+    """Return how far a motion's component moves an imprint, pixels, of a press mm; (n,)."""
+    if component is Component.TURN:
+        return np.abs(np.radians(twist[:, 0])) * max(radius_px, 1.0)
+    if component is Component.SLIDE:
+        return np.hypot(twist[:, 1], twist[:, 2])
+    return np.abs(twist[:, 3])
+
+
 @dataclass(frozen=True, eq=False)
 class Happening:
     """A motion, a touch, a rest or a release, as it may have been in each world."""
@@ -97,6 +106,11 @@ class Happening:
         """What of the motion it is of; None of a touch or a rest."""
         return KINDS.get(self.kind)
 
+    @property
+    def ends(self) -> tuple[Floats, Floats]:
+        """When it begins and ends, the same in every world."""
+        return np.asarray(self.begin_s), np.asarray(self.end_s)
+
     def share_at(self, time_s: Floats) -> Floats:
         """Return which share of its way is behind it at some times."""
         if self.times_s[0] == self.times_s[-1]:
@@ -106,10 +120,7 @@ class Happening:
     @property
     def path_px(self) -> Floats:
         """How far it moves the imprint in each world, pixels, (COUNT,)."""
-        turn, right, down, inward = self.twist.T
-        if self.component is Component.TURN:
-            return np.abs(np.radians(turn)) * max(self.radius_px, 1.0)
-        return np.hypot(right, down) if self.component is Component.SLIDE else np.abs(inward)
+        return path_px(self.component, self.twist, self.radius_px)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +147,7 @@ class Worlds:
         """Yield what moves: of one component, or of all."""
         for happening in self.happenings:
             own = happening.component
-            if own is not None and component in (None, own) and happening.kind in KINDS:
+            if own is not None and component in (None, own):
                 yield happening
 
     def seen(self, edit: Edit) -> Worlds:
@@ -237,8 +248,7 @@ def _drawn(
     place = np.searchsorted(edges, chosen, side="right")
     is_real = touches & (place < len(edges))
     part = COLUMNS[component]
-    mean = np.array([belief.mean.turn_deg, belief.mean.right_px, belief.mean.down_px,
-                     belief.mean.inward_mm])[part]  # fmt: skip
+    mean = np.array(astuple(belief.mean))[part]
     deviations = np.sqrt(np.diagonal(belief.covariance))[part]
     normal = np.stack([strata.normal() for _ in mean], axis=1)
     twist = np.zeros((COUNT, 4))
@@ -301,8 +311,7 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
             continue
         (systematic, own), noise = _spread(track, event), strata.normal()
         part = COLUMNS[event.component]
-        mean = np.array([event.twist.turn_deg, event.twist.right_px, event.twist.down_px,
-                         event.twist.inward_mm])[part]  # fmt: skip
+        mean = np.array(astuple(event.twist))[part]
         drawn = np.zeros((COUNT, 4))
         drawn[:, part] = _lengthened(mean, systematic * common[event.component], own, noise, strata)
         times, shares = _progress(track, event)
@@ -318,7 +327,7 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
                 shares,
                 _radius(track, event),
                 event,
-                _is_edge(track, event),
+                event.component is Component.PRESS and is_edge(track, event),
             )  # fmt: skip
         )
     ends = float(track.times_s[0]), float(track.times_s[-1])
@@ -407,10 +416,6 @@ def _spread(track: Track, event: Event) -> tuple[float, float]:
     return share, own
 
 
-def _is_edge(track: Track, event: Event) -> bool:
-    return event.component is Component.PRESS and is_edge(track, event)
-
-
 def _radius(track: Track, event: Event) -> float:
     return float(track.radius_px[int(np.searchsorted(track.numbers, event.end))])
 
@@ -439,15 +444,10 @@ def gaps(spans: list[tuple[float, float]], whole: tuple[float, float]) -> list[t
     return [(end, begin) for (_, end), (begin, _) in pairwise(edges) if begin > end]
 
 
-def twist_of(numbers: Floats) -> Twist:
-    """Return four numbers as a twist."""
-    return Twist(*map(float, numbers))
-
-
 def way_of(kind: EventKind, twist: Floats) -> Motion:
     """Return which of the ten words a happening is, by its mean motion."""
     if kind is EventKind.TOUCH:
         return Motion.PRESS
     if kind is EventKind.STICK:
         return Motion.STILL
-    return twist_of(twist).way(KINDS[kind])
+    return Twist(*map(float, twist)).way(KINDS[kind])

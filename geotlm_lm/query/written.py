@@ -11,8 +11,7 @@ from itertools import zip_longest
 from typing import Any
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import Component
-from geotlm_lm.query.phrases import amount_phrase, joined, label_of
+from geotlm_lm.query.phrases import KIND_WORDS, amount_phrase, joined, label_of
 from geotlm_lm.query.program import Case, head_of, measure_of, type_of
 from geotlm_lm.query.telling import MOVING, Teller, Wording
 from geotlm_lm.query.values import (
@@ -30,7 +29,6 @@ from geotlm_lm.query.values import (
 POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
 _BETWEEN = {"pairs": "=", "yaml": ": "}
 _AROUND = {"tuple": "()", "brackets": "[]"}
-ONE_WORDS = {Component.TURN: "rotation", Component.SLIDE: "slide", Component.PRESS: "press"}
 
 
 def worded(
@@ -143,7 +141,7 @@ def _motion(value: Moved) -> str | None:
     if head.arguments == ("thread",) and value.movements and not value.denied:
         return "tightens and loosens"
     if head.word == "kind" and value.movements:
-        return " and ".join(ONE_WORDS[move.component] for move in value.movements)
+        return " and ".join(KIND_WORDS[move.component] for move in value.movements)
     if head.word == "extent" and value.movements:
         amounts = [move.amount for move in value.movements if move.amount is not None]
         return joined([amount.word for amount in amounts]) if amounts else None

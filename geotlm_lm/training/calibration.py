@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import binary_cross_entropy_with_logits
 
-from geotlm_lm.query.labelled import Labelled
 from geotlm_lm.query.reader import Reader
+from geotlm_lm.training.labelled import Labelled
 
 TEMPERATURES = np.geomspace(0.25, 8.0, 161)
 CONTACT_QUANTILE = 0.005

@@ -28,7 +28,6 @@ from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.training.config import (
     HEADS_PRESETS,
@@ -40,6 +39,7 @@ from geotlm_lm.training.config import (
 )
 from geotlm_lm.training.examples import EXAMPLE, ExampleSet
 from geotlm_lm.training.geometry import TokenSet
+from geotlm_lm.training.grammar import corpus
 from geotlm_lm.training.language import LanguageTraining, Taught, blank_reader, train_language
 from geotlm_lm.training.recording_forms import RecordedForm
 from geotlm_lm.training.sentences import read_sentences, write_sentences
@@ -108,7 +108,8 @@ def language_of(
         widths=(width, BELIEF_NUMBERS),
         start=embedded_bundle_dir() / LANGUAGE_DIR,
     )
-    return Reader.load(train_language(config, taught, out, progress)).calibrated_as(shipped)
+    own = Reader.load(train_language(config, taught, out, progress))
+    return Reader(own.decoder, own.spelling, shipped.calibration)
 
 
 @dataclass(frozen=True, eq=False)

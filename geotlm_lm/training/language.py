@@ -10,8 +10,10 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count, islice
 from pathlib import Path
@@ -30,11 +32,21 @@ from geotlm_lm.language.decoder import LanguageModel, fresh, served, stored, wit
 from geotlm_lm.language.size import LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.query.grammar import Pair, grammar
-from geotlm_lm.query.lexicon import Lexicon
-from geotlm_lm.query.reader import SPELLING_FILE, Reader, spelled_by
-from geotlm_lm.query.spelling import SLOT_TOKENS, WORDS, Spelling, plain_parts
+from geotlm_lm.query.program import MOST_SLOTS
+from geotlm_lm.query.quantities import find
+from geotlm_lm.query.reader import (
+    SLOT_TOKENS,
+    SPELLING_FILE,
+    WORDS,
+    Lexicon,
+    Reader,
+    Spelling,
+    cleaned_text,
+    slipped_from,
+    spelled_by,
+)
 from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
+from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.language_rows import (
     POOL,
     Answers,
@@ -399,8 +411,8 @@ def train_vocabulary(
 ) -> tuple[Any, tuple[str, ...], Lexicon]:
     """Return byte pairs made from questions and English, program words, and frequent words."""
     pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
-    texts = [part for pair in pairs for part in plain_parts(pair.text)]
-    lexicon = Lexicon.of(texts)
+    texts = [part for pair in pairs for part in _plain_parts(pair.text)]
+    lexicon = lexicon_of(texts)
     texts += list(passages[: VOCABULARY_PAIRS // 2])
     return byte_pairs(texts, config.vocabulary), WORDS, lexicon
 
@@ -455,3 +467,32 @@ def _restored(folder: Path, config) -> dict[str, Any] | None:
             f"or train into another folder."
         )
     return state
+
+
+def _plain_parts(text: str) -> list[str]:
+    """Return what of a text is read as byte pairs: all but its numbers."""
+    ends = [(each.start, each.end) for each in find(text)[:MOST_SLOTS]]
+    starts = [0, *(end for _, end in ends)]
+    stops = [*(start for start, _ in ends), len(text)]
+    return [cleaned_text(text[a:b]) for a, b in zip(starts, stops, strict=True)]
+
+
+LEAST, FREQUENT = 10, 40
+"""How often a known word stands in the texts a lexicon is made of, and one that is mended to."""
+
+SLIPS = 100
+"""How much rarer than the word it is a slip of a slip is: texts made to be read hold some."""
+
+
+def lexicon_of(texts: Iterable[str]) -> Lexicon:
+    """Return the frequent words of some texts, in whose favour slips of the fingers are mended."""
+    words = re.compile(r"[^\W\d_]+")
+    counts = Counter(word for text in texts for word in words.findall(text.lower()))
+    known = [
+        (word, count)
+        for word, count in counts.most_common()
+        if count >= LEAST
+        and not any(counts[meant] >= SLIPS * count for meant in slipped_from(word))
+    ]
+    frequent = sum(count >= FREQUENT for _, count in known)
+    return Lexicon(tuple(word for word, _ in known), frequent)

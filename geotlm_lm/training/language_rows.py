@@ -23,11 +23,10 @@ from torch.utils.data import DataLoader, IterableDataset, get_worker_info
 
 from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.language.size import PREFIX, SLOTS, TEXT
-from geotlm_lm.query.composed import composed
-from geotlm_lm.query.grammar import Pair, grammar
-from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS
-from geotlm_lm.query.spelling import SAY, SLOT_TOKENS, Spelling
-from geotlm_lm.query.thesaurus import thesaurus
+from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS, SAY, SLOT_TOKENS, Spelling
+from geotlm_lm.training.composed import composed
+from geotlm_lm.training.grammar import Pair, grammar
+from geotlm_lm.training.thesaurus import thesaurus
 from geotlm_lm.training.truth import UNASKED
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
 
-from geotlm_lm.query.spelling import cleaned_text
+from geotlm_lm.query.reader import cleaned_text
 
 SHORTEST, LONGEST = 40, 600
 """Characters of a passage."""

@@ -21,7 +21,7 @@ from geotlm_lm.language.size import SLOTS
 from geotlm_lm.motion.measured import Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.program import WAY_ATOMS
 from geotlm_lm.simulation.gels import GELS, HELD_OUT_GELS, TRAINING_GELS, Print
 from geotlm_lm.training.config import TrainingPreset
 from geotlm_lm.training.examples import DAMAGED_SHARE, VARIED

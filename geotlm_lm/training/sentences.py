@@ -23,11 +23,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from geotlm_lm.answering.answerer import CAMERA, Answerer
-from geotlm_lm.answering.asked import Asked
-from geotlm_lm.answering.belief_of_clip import reading
 from geotlm_lm.answering.encoded import Encoded
+from geotlm_lm.answering.perceiving import reading
 from geotlm_lm.answering.pipeline import worded_values
-from geotlm_lm.answering.understanding import OF_BEFORE, OF_TWO
+from geotlm_lm.answering.understanding import OF_BEFORE, OF_TWO, Asked
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import MotionLabel
@@ -35,16 +34,14 @@ from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.language.size import SLOTS
-from geotlm_lm.query.copied import copied
-from geotlm_lm.query.grammar import Pair, corpus, grammar
 from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import MOST_SLOTS, Program, filled, is_void
-from geotlm_lm.query.quantities import find
-from geotlm_lm.query.types import ATOM_OF
+from geotlm_lm.query.program import ATOM_OF, MOST_SLOTS, Program, filled, is_void
+from geotlm_lm.query.quantities import copied, find
 from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.training.config import VALIDATION_EVERY, claim_folder
 from geotlm_lm.training.examples import ExampleSet
+from geotlm_lm.training.grammar import Pair, corpus, grammar
 from geotlm_lm.training.recording_forms import RecordedForm
 from geotlm_lm.training.true_answers import TrueAnswers, tells
 from geotlm_lm.training.truth import UNASKED, component_truth

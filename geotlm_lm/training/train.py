@@ -26,8 +26,6 @@ from geotlm_lm.core.record import commit, machine
 from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.measured import Measured, measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
-from geotlm_lm.query.grammar import corpus
-from geotlm_lm.query.labelled import TUNE, labelled
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.training import english
 from geotlm_lm.training.calibration import (
@@ -50,6 +48,8 @@ from geotlm_lm.training.geometry import (
     train_geometry,
     train_global_probe,
 )
+from geotlm_lm.training.grammar import corpus
+from geotlm_lm.training.labelled import TUNE, labelled
 from geotlm_lm.training.language import LanguageTraining, Taught, blank_reader, train_language
 from geotlm_lm.training.motion import (
     motion_scores,

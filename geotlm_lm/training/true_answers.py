@@ -16,12 +16,21 @@ from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.amounts import Measure, Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import Evidence
 from geotlm_lm.query.program import Program, head_of
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.values import Amount, Choice, Moved, Record, Remark, Truth, Value
+from geotlm_lm.query.values import (
+    Amount,
+    Choice,
+    Measure,
+    Moved,
+    Record,
+    Recording,
+    Remark,
+    Truth,
+    Value,
+)
 from geotlm_lm.query.worlds import worlds_of_clip
 from geotlm_lm.query.written import decided, worded
 from geotlm_lm.training.truth import component_truth

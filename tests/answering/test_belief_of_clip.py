@@ -2,7 +2,7 @@
 
 import pytest
 
-from geotlm_lm.answering import Answerer, belief_of_clip
+from geotlm_lm.answering import Answerer, perceiving
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 from tests.answering.scripted import believed, recording
@@ -17,7 +17,7 @@ def believing(bundle, monkeypatch):
 
     def believe(*told):
         told = list(told)
-        monkeypatch.setattr(belief_of_clip, "believed", lambda *_, **__: told.pop(0))
+        monkeypatch.setattr(perceiving, "believed", lambda *_, **__: told.pop(0))
         seen.clear()
         belief = Answerer(bundle).encode(recording()).belief
         assert told == []

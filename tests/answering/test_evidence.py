@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from geotlm_lm.answering.encoded import Encoded
-from geotlm_lm.answering.evidence_of import regions_of as evidence
+from geotlm_lm.answering.encoded import regions_of as evidence
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.dgr.encoder import DGR

@@ -12,8 +12,7 @@ from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.query.evaluate import Context, Evidence
 from geotlm_lm.query.lines import read
 from geotlm_lm.query.measures import net
-from geotlm_lm.query.program import filled
-from geotlm_lm.query.types import Quantity
+from geotlm_lm.query.program import Quantity, filled
 from geotlm_lm.query.worlds import with_own_motion, worlds_of_track
 from geotlm_lm.track.summed import belief_of_track
 from geotlm_lm.track.tracker import Tracker

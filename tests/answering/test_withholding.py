@@ -11,7 +11,7 @@ from geotlm_lm.answering.encoded import FAINT_DOUBT
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.replies import replies
+from geotlm_lm.query.phrases import replies
 from geotlm_lm.recordings.idle import CONTACT_UNKNOWN
 from tests.answering.scripted import believed, feeling, recording
 from tests.recordings.dotted import dotted, dotted_recording

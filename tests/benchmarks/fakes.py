@@ -14,7 +14,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.language.sequence import log_softmax
 from geotlm_lm.language.size import SLOTS
 from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.query.types import ATOM_OF
+from geotlm_lm.query.program import ATOM_OF
 from tests.answering.scripted import believed
 
 ALL = tuple(Motion)

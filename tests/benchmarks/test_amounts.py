@@ -30,7 +30,7 @@ from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.data.labelled_recordings import WindowRow
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.amounts import Measure
+from geotlm_lm.query.values import Measure
 from tests.probe.imprints import moved_clip, textured_imprint
 
 

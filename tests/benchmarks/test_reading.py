@@ -14,10 +14,10 @@ from geotlm_lm.benchmarks.harness import Row, Run
 from geotlm_lm.benchmarks.meanings import come_to_the_same, made_track
 from geotlm_lm.benchmarks.reading import PROGRAM, READING, VALUE, Graded, graded_rows
 from geotlm_lm.benchmarks.rendering import tables
-from geotlm_lm.query.grammar import Pair
-from geotlm_lm.query.labelled import WRITERS, Labelled, written_by
 from geotlm_lm.query.lines import read
 from geotlm_lm.training.calibration import calibrated_reader
+from geotlm_lm.training.grammar import Pair
+from geotlm_lm.training.labelled import WRITERS, Labelled, written_by
 from tests.answering.scripted import ScriptedReader
 from tests.tiny_bundle import tiny_bundle, tiny_reader
 

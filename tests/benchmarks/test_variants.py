@@ -11,8 +11,8 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.probe.rigid_flow import RigidFlow
-from geotlm_lm.query.grammar import grammar
 from geotlm_lm.recordings.idle import estimate_background
+from geotlm_lm.training.grammar import grammar
 from tests.benchmarks.fakes import ALL, FakeAnswerer
 
 

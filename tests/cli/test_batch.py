@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.loaded import loaded
+from geotlm_lm.answering.answerer import loaded
 from geotlm_lm.cli.batch import read_questions
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.runs.run import ALONE

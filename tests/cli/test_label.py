@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.loaded import loaded
+from geotlm_lm.answering.answerer import loaded
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.runs.run import ALONE
 from tests.cli import running

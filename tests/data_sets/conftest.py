@@ -2,7 +2,7 @@
 
 import pytest
 
-from geotlm_lm.answering.loaded import loaded
+from geotlm_lm.answering.answerer import loaded
 from tests.cli.recorded_touch import Measuring
 
 

@@ -15,7 +15,7 @@ import cv2
 import numpy as np
 import pytest
 
-from geotlm_lm.answering.loaded import loaded
+from geotlm_lm.answering.answerer import loaded
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import Unwritten, UsageError
 from geotlm_lm.data_sets import labelling as labelling_module

@@ -13,9 +13,7 @@ from geotlm_lm.language.decoder import fresh, served, stored, with_speaking
 from geotlm_lm.language.sequence import log_softmax
 from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
-from geotlm_lm.query.reader import Reader
-from geotlm_lm.query.speaker import Speaker
-from geotlm_lm.query.spelling import SLOT_TOKENS, Spelling
+from geotlm_lm.query.reader import SLOT_TOKENS, Reader, Speaker, Spelling
 from geotlm_lm.training.language_rows import Row, laid, positions, sight
 
 SIZE = LanguageSize(width=32, layers=2, heads=2, mlp=48, speaking=1)
@@ -123,7 +121,7 @@ def test_slots_and_sentences_in_numpy_are_those_of_transformers(model, decoder, 
     for _ in range(longest):  # as transformers goes on, word by word
         state = states_of(model, spelling, written, numbers, is_spoken=True)[-1]
         written = written._replace(sentence=[*written.sentence, int(model.logits(state).argmax())])
-    assert said.startswith(spelling.sentence_of(written.sentence[1:], ["14"]))
+    assert said.startswith(spelling.sentence_of(written.sentence[1:], "14"))
 
 
 def test_a_sentence_is_the_model_s_own_where_it_says_it_word_for_word(decoder, spelling):

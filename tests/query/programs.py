@@ -12,11 +12,11 @@ from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
-from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import ContactArea, Context, Evidence
 from geotlm_lm.query.program import Case, Expression, Field, of
 from geotlm_lm.query.quantities import Quantity
+from geotlm_lm.query.values import Recording
 from geotlm_lm.query.worlds import worlds_of_clip, worlds_of_track
 from geotlm_lm.track.summed import belief_of_track
 from tests.query.strategies import beliefs, tracks, turning

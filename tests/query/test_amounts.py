@@ -6,8 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geotlm_lm.core.tolerance import TOLERANCES, within_tolerance
-from geotlm_lm.query.amounts import BASES, Measure
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.core.twist import Component
+from geotlm_lm.query.program import WAY_ATOMS
+from geotlm_lm.query.values import BASES, Measure
 
 amounts = st.builds(
     Measure,
@@ -29,7 +30,7 @@ def test_any_bell_gives_a_value_inside_its_span(told):
 @pytest.mark.parametrize("mean", [0.3, 1.5, 5, 11, 25, 60])
 @pytest.mark.parametrize("deviation", [0.05, 1.0, 4.0])
 def test_the_probability_is_the_share_of_true_amounts_it_is_right_of(mean, deviation):
-    told = Measure("turn", mean, deviation, "deg", TOLERANCES[BASES["turn"]])
+    told = Measure("turn", mean, deviation, "deg", TOLERANCES[BASES[Component.TURN]])
     true = np.random.default_rng(0).normal(mean, deviation, 20_000)
     right = np.mean([within_tolerance(told.value, one, "deg") for one in true])
     assert told.probability == pytest.approx(right, abs=0.015)

@@ -4,13 +4,11 @@ from itertools import islice
 
 import pytest
 
-from geotlm_lm.query.copied import copied
-from geotlm_lm.query.facts import mm_per_px
-from geotlm_lm.query.fitting import fitting
-from geotlm_lm.query.grammar import corpus, grammar
+from geotlm_lm.query.evaluate import mm_per_px
+from geotlm_lm.query.lines import END, fitting
 from geotlm_lm.query.program import MOST_SLOTS
-from geotlm_lm.query.quantities import quantities
-from geotlm_lm.query.words import END
+from geotlm_lm.query.quantities import copied, quantities
+from geotlm_lm.training.grammar import corpus, grammar
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,7 @@ def spelled(now: str, before: str) -> str:
     ("way turn", "as-sensor again", "as-sensor way turn"),
     ("amount turn", "unit rad again", "unit rad amount turn"),
     ("way turn", "unit deg again", "unit deg amount turn"),
+    ("unit turn amount turn", "instead slide again", "unit turn amount slide"),
     ("way all", "unit mm again", "unit mm amount slide"),
     ("turn", "> again 20.0:deg", "> amount turn 20.0:deg"),
     ("delay begin contact begin first turn-events", "unit frame again",

@@ -6,9 +6,9 @@ from hypothesis import strategies as st
 
 from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
+from geotlm_lm.query.lines import END, Malformed
+from geotlm_lm.query.program import Slot
 from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.types import Slot
-from geotlm_lm.query.words import END, Malformed
 from tests.query.programs import expressions
 
 LINES = (

@@ -8,12 +8,9 @@ from hypothesis import given, settings
 
 import geotlm_lm
 from geotlm_lm.query import program as p
-from geotlm_lm.query.facts import FACTS
-from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import EVENTS, Program
-from geotlm_lm.query.replies import replies
-from geotlm_lm.query.restated import _NOUNS, _PHRASES, _SO, restated
-from geotlm_lm.query.types import TALK, UNANSWERABLE, Fact, Quantity
+from geotlm_lm.query.lines import FACTS, read
+from geotlm_lm.query.phrases import _NOUNS, _PHRASES, _SO, replies, restated
+from geotlm_lm.query.program import EVENTS, TALK, UNANSWERABLE, Fact, Program, Quantity
 from tests.query.programs import expressions
 
 NAMED = {"way", "choose", "choose-not", "record", "pi", *p.COUNTS}
@@ -72,7 +69,7 @@ def test_every_reason_has_a_sentence():
         text = path.read_text(encoding="utf-8")
         given = r'(?:Untold\(|reason=|reason: str = |reason or |\.reason = )"([a-z-]+)"'
         used |= {*re.findall(given, text)}
-    text = (root / "answering" / "withholding.py").read_text(encoding="utf-8")
+    text = (root / "answering" / "understanding.py").read_text(encoding="utf-8")
     used |= {*re.findall(r'return \(?"([a-z-]+)"', text)}
     assert {"never", "contact", "mask", "reference", "unrecognised", "suspicion", "scale"} <= used
     assert used <= {*replies()["missing"]}

@@ -10,7 +10,7 @@ from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import Component
-from geotlm_lm.query.types import WAY_ATOMS
+from geotlm_lm.query.program import WAY_ATOMS
 from geotlm_lm.query.values import Truth
 from tests.answering.scripted import believed
 from tests.query.programs import (

@@ -16,11 +16,11 @@ from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.language.size import LanguageSize
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.query.grammar import corpus
 from geotlm_lm.training import language
 from geotlm_lm.training import ranks as ranks_module
 from geotlm_lm.training.config import SMOKE
 from geotlm_lm.training.examples import Examples
+from geotlm_lm.training.grammar import corpus
 from geotlm_lm.training.language import LanguageTraining, Taught, train_language
 from geotlm_lm.training.pretraining import pretrain
 from geotlm_lm.training.ranks import joined

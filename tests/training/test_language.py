@@ -13,15 +13,14 @@ from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.language.decoder import stored
 from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.query.composed import composed
-from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.lines import read, write
+from geotlm_lm.query.phrases import restated
 from geotlm_lm.query.program import filled, normal
 from geotlm_lm.query.quantities import find
-from geotlm_lm.query.reader import Reader
-from geotlm_lm.query.restated import restated
-from geotlm_lm.query.spelling import SAY, Spelling
+from geotlm_lm.query.reader import SAY, Reader, Spelling
 from geotlm_lm.training import language
+from geotlm_lm.training.composed import composed
+from geotlm_lm.training.grammar import corpus
 from geotlm_lm.training.language import (
     LanguageTraining,
     Taught,
@@ -140,7 +139,7 @@ def test_a_model_goes_on_from_another_with_the_words_that_both_have(taught, tmp_
     before = train_language(CONFIG, taught, tmp_path / "before")
     words = tuple(word for word in Reader.load(before).spelling.words if word != "way")
     monkeypatch.setattr(language, "WORDS", (*words, "way", "new-word"))
-    monkeypatch.setattr("geotlm_lm.query.spelling.WORDS", (*words, "way", "new-word"))
+    monkeypatch.setattr("geotlm_lm.query.reader.WORDS", (*words, "way", "new-word"))
     still = replace(CONFIG, english_steps=0, reading_steps=0, slots_steps=0, sentences_steps=0)
     on = replace(taught, start=before)
     after = train_language(still, on, tmp_path / "after")

@@ -14,7 +14,6 @@ from geotlm_lm.checkpoint import load_bundle
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import ROTATIONS, SLIDES
 from geotlm_lm.language.size import SLOTS, LanguageSize
-from geotlm_lm.query.grammar import corpus
 from geotlm_lm.query.program import Program
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
@@ -22,6 +21,7 @@ from geotlm_lm.simulation.touch import Touch, simulate_touch
 from geotlm_lm.training import config, english, examples, language, train
 from geotlm_lm.training.config import example_sets
 from geotlm_lm.training.examples import read_examples
+from geotlm_lm.training.grammar import corpus
 from geotlm_lm.training.language import LanguageTraining
 
 pytestmark = pytest.mark.slow

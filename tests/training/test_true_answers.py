@@ -6,11 +6,11 @@ import pytest
 from geotlm_lm.answering.pipeline import Worded
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, MotionLabel
-from geotlm_lm.query.amounts import Recording
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import Evidence
 from geotlm_lm.query.lines import read
 from geotlm_lm.query.telling import Teller
+from geotlm_lm.query.values import Recording
 from geotlm_lm.query.worlds import worlds_of_clip
 from geotlm_lm.query.written import worded
 from geotlm_lm.training.true_answers import TrueAnswers, is_true, tells, true_belief

@@ -4,12 +4,11 @@ from itertools import islice
 
 import pytest
 
-from geotlm_lm.query.copied import copied
-from geotlm_lm.query.grammar import _CHOICE, _FIELD, SPLITS, corpus, grammar, split_of
-from geotlm_lm.query.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 from geotlm_lm.query.lines import PROGRAM_WORDS, read, write
 from geotlm_lm.query.program import _ANSWERS, MOST_SLOTS, filled, type_of
-from geotlm_lm.query.quantities import quantities
+from geotlm_lm.query.quantities import copied, quantities
+from geotlm_lm.training.grammar import _CHOICE, _FIELD, SPLITS, corpus, grammar, split_of
+from geotlm_lm.training.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 
 CORPUS = [Labelled(one.text, (one.query,)) for split in SPLITS for one in corpus(split)]
 SETS = {"corpus": CORPUS, BLIND: labelled(BLIND), SET_UPS: labelled(SET_UPS), TUNE: labelled(TUNE)}

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS
-from geotlm_lm.query.grammar import Pair
 from geotlm_lm.query.lines import write
+from geotlm_lm.query.phrases import restated
 from geotlm_lm.query.program import (
     ACCEPTED,
     COUNTS,
@@ -25,14 +24,15 @@ from geotlm_lm.query.program import (
     Expression,
     Field,
     Program,
+    Slot,
     is_void,
     normal,
     number,
     of,
+    with_parts,
 )
 from geotlm_lm.query.quantities import Quantity, find
-from geotlm_lm.query.restated import restated
-from geotlm_lm.query.types import Slot
+from geotlm_lm.training.grammar import Pair
 
 FAMILY = "composed.train"
 MOST_TEXT, MOST_PROGRAM = 40, 24
@@ -96,16 +96,7 @@ def _placed(value: Any, stated: list[Quantity]) -> Any:
         if stated.count(value) != 1:
             raise LookupError(f"{value} stands in {stated.count(value)} places")
         return Slot(stated.index(value) + 1)
-    if isinstance(value, tuple):
-        return tuple(_placed(each, stated) for each in value)
-    if isinstance(value, Program | Expression | Case | Field):
-        parts = {
-            name: _placed(inner, stated)
-            for name, inner in vars(value).items()
-            if isinstance(inner, tuple | Expression | Quantity)
-        }
-        return replace(value, **parts)
-    return value
+    return with_parts(value, lambda part: _placed(part, stated))
 
 
 def _drawn(rng: random.Random, wanted: str, depth: int) -> Expression | str:

@@ -8,9 +8,9 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 from geotlm_lm.core.files import training_templates
-from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.lines import read
 from geotlm_lm.query.program import Expression, Program, normal
+from geotlm_lm.training.grammar import Pair, grammar
 
 BLIND, SET_UPS, TUNE = "blind", "set-ups", "tune"
 """Sets written by people who had seen no template; only the last is used for any choice. The second

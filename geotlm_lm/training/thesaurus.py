@@ -13,8 +13,8 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 
 from geotlm_lm.core.files import training_templates
-from geotlm_lm.query.grammar import Pair
 from geotlm_lm.query.quantities import find
+from geotlm_lm.training.grammar import Pair
 
 _WORD = re.compile(r"[^\W\d_](?:[\w'-]*\w)?")
 _ARTICLE = re.compile(r"\b([Aa])n? $")

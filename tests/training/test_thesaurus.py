@@ -3,9 +3,9 @@
 import random
 from itertools import combinations, islice
 
-from geotlm_lm.query.grammar import Pair, grammar
 from geotlm_lm.query.quantities import find
-from geotlm_lm.query.thesaurus import Thesaurus, thesaurus
+from geotlm_lm.training.grammar import Pair, grammar
+from geotlm_lm.training.thesaurus import Thesaurus, thesaurus
 
 PAIR = Pair("Show a cap: an angle of 12 degrees?", "~ amount turn #1", ("test/turn",))
 CONTRASTS = (

@@ -18,7 +18,10 @@ from functools import lru_cache
 from typing import Any
 
 from geotlm_lm.core.files import training_templates
-from geotlm_lm.query.clauses import (
+from geotlm_lm.query.lines import read, write
+from geotlm_lm.query.program import MOST_SLOTS, TRAITS, TWO_CLIPS, head_of, normal, type_of
+from geotlm_lm.query.quantities import copied, find
+from geotlm_lm.training.clauses import (
     TWICE,
     VIEWS,
     Around,
@@ -29,11 +32,6 @@ from geotlm_lm.query.clauses import (
     may_join,
     topic_of,
 )
-from geotlm_lm.query.copied import copied
-from geotlm_lm.query.lines import read, write
-from geotlm_lm.query.noise import roughened
-from geotlm_lm.query.program import MOST_SLOTS, TRAITS, TWO_CLIPS, head_of, normal, type_of
-from geotlm_lm.query.quantities import find
 
 _FILES = (
     *("ways", "claims", "choices", "amounts", "times", "about", "statements", "more", "own"),
@@ -44,6 +42,9 @@ _FIELD = re.compile(r"\{([\w-]+?)(\d?)\}")
 _CHOICE = re.compile(r"\[([^\[\]]*\|[^\[\]]*)\]|\{([^{}]*\|[^{}]*)\}")
 _MARK = re.compile("\ue000(\\d+)\ue001(.*?)\ue002", re.DOTALL)
 _MARKS = ".!?"
+_MISTYPED = re.compile(r"[^\W\d_\ue000-\ue003]{4,}")
+_KEPT = ("left", "right", "down", "turn", "clockwise", "counterclockwise", "anticlockwise")
+"""Words that a slip might turn into others."""
 SPLITS = ("train", "validation", "test")
 
 _SEEN = ("bool", "number", "way", "label")
@@ -206,7 +207,7 @@ class Grammar:
                 query, used = f"{query} ; {self._meant(other.query, next_)}", [*used, other.id]
             if len(questions) > 1:
                 text = listed(rng, questions, is_bare=not chosen)
-        return _numbered(roughened(rng, text), query, tuple(used))
+        return _numbered(_roughened(rng, text), query, tuple(used))
 
     def _filled(self, rng: random.Random, text: str, draft: _Draft) -> str:
         """Return a template with its alternatives drawn and its fields filled."""
@@ -278,6 +279,46 @@ def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
                 return None
             line = wanted.sub(f"{slot}{places[0]}", line)
     return Pair(plain, write(normal(read(line))), families)
+
+
+def _roughened(rng: random.Random, text: str) -> str:
+    """Return a text as somebody may have typed it; marks of numbers stay whole."""
+    text = text[:1].upper() + text[1:] if rng.random() < 0.6 else text
+    drawn = rng.random()
+    if drawn < 0.12:
+        text = text.rstrip("?.")
+    elif drawn < 0.16:
+        text = text.lower()
+    elif drawn < 0.18:
+        text = text.replace("?", " ?")
+    elif drawn < 0.2:
+        text = text.upper()
+    if rng.random() < 0.15:
+        text = _with_slip(rng, text)
+    return text
+
+
+def _with_slip(rng: random.Random, text: str) -> str:
+    """Return a text with one word misspelt: two letters swapped, one lost, doubled or changed."""
+    numbers = [match.span() for match in re.finditer("\ue000.*?\ue002", text)]
+    words = [
+        match
+        for match in _MISTYPED.finditer(text)
+        if match[0].lower() not in _KEPT
+        and not any(start <= match.start() < end for start, end in numbers)
+    ]
+    if not words:
+        return text
+    match = rng.choice(words)
+    word = match[0]
+    at = rng.randrange(1, len(word) - 1)
+    slips = (
+        word[:at] + word[at + 1] + word[at] + word[at + 2 :],
+        word[:at] + word[at + 1 :],
+        word[:at] + word[at] + word[at:],
+        word[:at] + rng.choice("aeinorst") + word[at + 1 :],
+    )
+    return text[: match.start()] + rng.choice(slips) + text[match.end() :]
 
 
 def kind_of(query: str) -> str:

@@ -1,8 +1,8 @@
 import pytest
 
-from geotlm_lm.query.copied import copied
-from geotlm_lm.query.lexicon import FREQUENT, LEAST, SLIPS, Lexicon
-from geotlm_lm.query.quantities import Quantity, quantities
+from geotlm_lm.query.quantities import Quantity, copied, quantities
+from geotlm_lm.query.reader import Lexicon
+from geotlm_lm.training.language import FREQUENT, LEAST, SLIPS, lexicon_of
 
 WORDS = ("the", "which", "turn", "left", "sliding", "before", "release", "radio", "check", "field")
 KNOWN = Lexicon(WORDS, frequent=9)
@@ -31,7 +31,7 @@ def test_the_more_frequent_word_is_meant():
 
 def test_it_holds_the_words_that_stand_often_in_its_texts_and_none_of_their_slips():
     texts = ["Which way?"] * SLIPS * LEAST + ["whcih rarely trail"] * LEAST + ["WAY way", "once"]
-    found = Lexicon.of([*texts, *["trial"] * FREQUENT])
+    found = lexicon_of([*texts, *["trial"] * FREQUENT])
     assert found.words == ("way", "which", "trial", "rarely", "trail")
     assert found.words[: found.frequent] == ("way", "which", "trial")
 
