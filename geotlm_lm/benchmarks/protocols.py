@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.benchmarks import cases
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.errors import UsageError
@@ -43,7 +43,6 @@ from geotlm_lm.training.folds import (
     Recipe,
     leave_one_object_out,
     object_folds,
-    standardise_fold,
     train_on_fold,
 )
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
@@ -211,7 +210,6 @@ def run_fold(
 ) -> dict[str, Outcome]:
     """Return the outcome of every method of a task on one fold."""
     labels, outcomes = cases.TASKS[task], {}
-    standardised = {frames: standardise_fold(data, fold) for frames, data in clips.data.items()}
     for name in methods:
         if name == FLOW:  # named when the clip was at hand; nothing is trained
             outcomes[name] = [clips.flow[row] for row in fold.test], 0
@@ -219,8 +217,8 @@ def run_fold(
             outcomes[name] = _curl(clips, fold, labels)
         else:
             recipe, frames = TRAINED[name]
-            data = standardised[frames]
-            trained = train_on_fold(data, labels, recipe, epochs=epochs, seed=seed)
+            data = clips.data[frames]
+            trained = train_on_fold(data, fold, labels, recipe, epochs=epochs, seed=seed)
             outcomes[name] = trained.predictions, trained.parameters
     return outcomes
 
@@ -311,8 +309,8 @@ def _recall(row: Row) -> str:
     return ", ".join(f"{way.value} {recall[way]:.3f}" for way in Motion if way in recall) or "-"
 
 
-def _of(methods: Sequence[str], task: str = "") -> Callable[[Row], bool]:
-    return lambda row: row.variant in methods and row.case.startswith(task)
+def _of(view: Pivot, methods: Sequence[str], task: str = "") -> Pivot:
+    return replace(view, shows=lambda row: row.variant in methods and row.case.startswith(task))
 
 
 _BY_METHOD = Pivot(
@@ -320,11 +318,11 @@ _BY_METHOD = Pivot(
 )
 
 _TOGETHER = {
-    "clips": lambda row: row.case,
-    "method": lambda row: row.variant,
-    "n": lambda row: str(row.count),
+    "clips": "case",
+    "method": "variant",
+    "n": "count",
     "right (95 %, objects resampled)": right_with_interval,
-    "trained numbers": lambda row: f"{row.detail['parameters']:,}",
+    "trained numbers": "parameters:,",
 }
 
 PROTOCOLS = Section(
@@ -340,14 +338,16 @@ backbone, AnyTouch 2. *DGR, paper* is the paper's GeoTLM; *grounded* is shaped b
 and contact as well. *Curl + LR* takes the curl of the imprint's optical flow. *Region pool only*
 weighs every patch alike; *contact mask only* keeps the weighted mean over the grid; *neither* is
 the plain mean. Two frames are the first and the last of the same clip, fed as a, a, b, b.""",
-    run=protocol_rows,
+    shares=whole(protocol_rows),
     views={
-        "Rotation, ours and published": (_BY_METHOD, _of(MAIN, "rotation")),
-        "Sliding, ours and published": (_BY_METHOD, _of(MAIN, "sliding")),
-        "Parts of DGR taken out": (_BY_METHOD, _of(ABLATION)),
-        "Two frames and four": (_BY_METHOD, _of(FRAMES)),
-        "Encoders that only the paper has": (_BY_METHOD, lambda row: row.variant not in OURS),
-        "Recall of each class": (Pivot(_recall, "task and clips", with_count=False), _of(MAIN)),
-        "All clips together": (Listing(_TOGETHER), lambda row: "parameters" in row.detail),
+        "Rotation, ours and published": _of(_BY_METHOD, MAIN, "rotation"),
+        "Sliding, ours and published": _of(_BY_METHOD, MAIN, "sliding"),
+        "Parts of DGR taken out": _of(_BY_METHOD, ABLATION),
+        "Two frames and four": _of(_BY_METHOD, FRAMES),
+        "Encoders that only the paper has": replace(
+            _BY_METHOD, shows=lambda row: row.variant not in OURS
+        ),
+        "Recall of each class": _of(replace(_BY_METHOD, cell=_recall), MAIN),
+        "All clips together": Listing(_TOGETHER, lambda row: "parameters" in row.detail),
     },
 )

@@ -197,7 +197,6 @@ class _Run:
             slots_steps=settings.slots_steps,
             sentences_steps=settings.sentences_steps,
             batch=settings.language_batch,
-            english=settings.language_batch,
             answers=settings.language_batch // 2,
             passes=settings.question_passes,
             seed=self.seed,
@@ -356,11 +355,9 @@ def train_perception(
         )
         for mode in (("paper",) if read_outs is None else ("paper", "grounded"))
     }
-    accuracies = {mode: model.validation_accuracy for mode, model in trained.items()}
-    chosen = trained["paper" if read_outs is None else better_mode(accuracies)]
-    global_probe = train_global_probe(
-        train_set, validation_set, chosen.global_standardiser, epochs=epochs, seed=seed
-    )
+    accuracies = {mode: accuracy for mode, (_, accuracy) in trained.items()}
+    chosen, _ = trained["paper" if read_outs is None else better_mode(accuracies)]
+    global_probe = train_global_probe(train_set, validation_set, epochs=epochs, seed=seed)
     model = GeoTLM(
         backbone=backbone,
         global_standardiser=chosen.global_standardiser,

@@ -49,7 +49,6 @@ CONFIG = LanguageTraining(
     slots_steps=2,
     sentences_steps=2,
     batch=8,
-    english=4,
     answers=4,
     warmup=2,
     dropout=0,  # which byte pairs are left apart no seed governs
