@@ -158,7 +158,6 @@ in which nothing touches; grips that are closed from the first frame. The *idle 
 recording, or given. A touch told while contact is not known is none. *Begins* may be off by
 {WITHIN_FRAMES} frames. Where nothing is lifted, no release may be told. *Letac, begins untouched*
 joins untouched frames and a grip's, the latter backwards: a press.""",
-    run=lambda run: (row for share in contact_shares(run).values() for row in share()),
-    views=by_half(Pivot(right_with_interval, "recordings, what is graded")),
     shares=contact_shares,
+    views=by_half(Pivot(right_with_interval, "recordings, what is graded")),
 )

@@ -20,7 +20,6 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -38,7 +37,7 @@ from geotlm_lm.benchmarks.cases import (
     window_cases,
 )
 from geotlm_lm.benchmarks.damaged import write_video
-from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import (
     Case,
     Variant,
@@ -46,8 +45,8 @@ from geotlm_lm.benchmarks.judging import (
     milliseconds,
     rows_of_replies,
 )
-from geotlm_lm.benchmarks.rendering import number, save_figure
-from geotlm_lm.benchmarks.variants import GENERATED, PROBE, QUESTION, all_variants, rival
+from geotlm_lm.benchmarks.rendering import save_figure
+from geotlm_lm.benchmarks.variants import FITS, GENERATED, PROBE, QUESTION, all_variants, rival
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
@@ -55,7 +54,6 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.process import THREAD_VARIABLES
 from geotlm_lm.motion.measured import measured
-from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.camera import idle_frame
 from geotlm_lm.simulation.contact import PRESETS, Preset, dome_mm
@@ -68,13 +66,6 @@ from geotlm_lm.simulation.touch import Touch, simulate_touch
 
 LINE, SENTENCE = "way all", "It turns clockwise, about 12 degrees, in the camera image."
 """What `QUESTION` asks, and an answer to it."""
-
-CLASSICAL = {
-    "optical flow, ultrafast": RigidFlow(preset=cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST),
-    "optical flow, fast": RigidFlow(),
-    "optical flow, medium": RigidFlow(preset=cv2.DISOPTICAL_FLOW_PRESET_MEDIUM),
-    "direct alignment": RigidAlignment(),
-}
 
 FOUR, PAIRS = "four frames", "pairs"
 
@@ -128,7 +119,10 @@ def with_front(rows: Sequence[Row]) -> list[Row]:
 
 
 def _method_rows(run: Run) -> Iterator[Row]:
-    methods = {name: rival(fit.predict) for name, fit in CLASSICAL.items()}
+    presets = ("ultrafast", "fast", "medium")  # of OpenCV's flow, by number
+    fits = {f"optical flow, {name}": RigidFlow(place) for place, name in enumerate(presets)}
+    fits |= {name: fit for name, fit in FITS.items() if not isinstance(fit, RigidFlow)}
+    methods = {name: rival(fit.predict) for name, fit in fits.items()}
     own = all_variants(run.answerer, run.seed)
     methods |= {"linear probe": own[PROBE], "words": own[GENERATED]}
     for case_set in case_sets(run):
@@ -362,23 +356,20 @@ def draw_fronts(cases: str, scale: str, rows: Sequence[Row], path: Path) -> None
 
 _TIMED = {
     "what": lambda row: row.variant + " *" * row.detail.get("is_on_front", False),
-    "ms, median": lambda row: number(row.ms_p50, ".1f"),
-    "p95": lambda row: number(row.ms_p95, ".1f"),
+    "ms, median": "ms_p50:.1f",
+    "p95": "ms_p95:.1f",
 }
 _METHODS = Listing(
-    {"clips": lambda row: row.case, "n": lambda row: str(row.count)}
+    {"clips": "case", "n": "count"}
     | _TIMED
-    | {
-        "error": lambda row: number(row.error),
-        "95 %": lambda row: "{:.3f}-{:.3f}".format(*row.interval),
-    }
+    | {"error": "error:.3f", "95 %": lambda row: "{:.3f}-{:.3f}".format(*row.interval)}
 )
 _PRESETS = Listing(
     {
-        "compared": lambda row: row.case,
+        "compared": "case",
         "what": _TIMED["what"],
-        "ms": _TIMED["ms, median"],
-        "error": lambda row: f"{row.error:.3g}",
+        "ms": "ms_p50:.1f",
+        "error": "error:.3g",
         "range": lambda row: "{:.2g} to {:.2g}".format(*row.detail["range"]),
     }
 )
@@ -390,10 +381,10 @@ METHODS = Section(
 Every method is put to every clip in turn, on one thread, from the clip in memory to the motion.
 Words may name any of ten motions, the others choose among the task's. `*` marks what nothing beats
 in both error and median time.""",
-    run=_method_rows,
+    shares=whole(_method_rows),
     views={
-        "Simulated clips": (_METHODS, lambda row: row.case.startswith("simulated")),
-        "Real recordings": (_METHODS, lambda row: row.case.startswith("real")),
+        "Simulated clips": replace(_METHODS, shows=lambda row: row.case.startswith("simulated")),
+        "Real recordings": replace(_METHODS, shows=lambda row: row.case.startswith("real")),
     },
     figure=partial(draw_fronts, FOUR, "linear"),
 )
@@ -402,16 +393,16 @@ STAGES = Section(
     name="stages",
     title="Stages of an answer",
     about="Each stage alone on one clip, one thread; one prompt serves all ten scores.",
-    run=_stage_rows,
-    views={"": (Listing(_TIMED), every)},
+    shares=whole(_stage_rows),
+    views={"": Listing(_TIMED)},
 )
 
 COMMANDS = Section(
     name="commands",
     title="Cold starts of the commands",
     about="Fresh processes on one thread, files cached; MiB is the most they ever held.",
-    run=_command_rows,
-    views={"": (Listing(_TIMED | {"MiB": lambda row: number(row.memory_mib, ".0f")}), every)},
+    shares=whole(_command_rows),
+    views={"": Listing(_TIMED | {"MiB": "memory_mib:.0f"})},
 )
 
 SIMULATOR = Section(
@@ -420,7 +411,7 @@ SIMULATOR = Section(
     about="""\
 Presets and two shortcuts against the reference preset on a ball, a key and a nut that are twisted,
 slid or pressed: medians and ranges over nine scenes, one thread, surfaces alone.""",
-    run=_simulator_rows,
-    views={"": (_PRESETS, every)},
+    shares=whole(_simulator_rows),
+    views={"": _PRESETS},
     figure=partial(draw_fronts, "", "log"),
 )

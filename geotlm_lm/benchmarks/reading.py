@@ -1,18 +1,20 @@
-"""Understanding: whether questions are read into the program that is meant, or one as good."""
+"""Understanding: whether the right program is read, and how often the model itself answers."""
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
 
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
-from geotlm_lm.benchmarks.judging import share_row
+from geotlm_lm.benchmarks.cases import simulated_mixtures
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, whole
+from geotlm_lm.benchmarks.judging import share_row, share_rows
 from geotlm_lm.benchmarks.meanings import come_to_the_same
 from geotlm_lm.benchmarks.rendering import right_with_interval
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.grammar import corpus, grammar
 from geotlm_lm.query.labelled import (
@@ -26,7 +28,7 @@ from geotlm_lm.query.labelled import (
     written_by,
 )
 from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import filled, head_of
+from geotlm_lm.query.program import LEANING, asks_of_two, filled, head_of
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.training.calibration import expected_calibration_error
 
@@ -35,6 +37,9 @@ SURE, PAIRS, SEEN_PAIRS = 0.8, 2000, 40_000
 
 EACH = 20
 """Questions read of each primitive, at most."""
+
+OWN, CLIPS, OWN_EACH = "said by the model itself", 150, 10
+"""Name of a row, simulated clips, and questions about each."""
 
 BEFORE = read("way turn")
 """What is taken to have been asked before a question that leans on another."""
@@ -129,18 +134,14 @@ def _doubt(sure: np.ndarray, exact: np.ndarray) -> dict[str, float]:
     }
 
 
-def _detail(key: str) -> Callable[[Row], str]:
-    return lambda row: format(row.detail[key], ".3f")
-
-
 _DOUBT = {
-    "questions": lambda row: row.case,
-    "read": lambda row: str(row.count),
-    "right": lambda row: f"{1 - row.error:.3f}",
-    "mean stated": _detail("mean_stated"),
-    "calibration error": _detail("calibration_error"),
-    "read with 0.8 or more": _detail("sure"),
-    "wrong of these": _detail("sure_and_wrong"),
+    "questions": "case",
+    "read": "count",
+    "right": "right:.3f",
+    "mean stated": "mean_stated:.3f",
+    "calibration error": "calibration_error:.3f",
+    "read with 0.8 or more": "sure:.3f",
+    "wrong of these": "sure_and_wrong:.3f",
 }
 
 READING = Section(
@@ -155,16 +156,55 @@ that state one to five facts in several sentences, were written by people who ha
 and no rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
 were chosen and calibrated by. All that two *writers* ask was kept from training, and is told apart
 by what makes it hard as well. Intervals resample whole families.""",
-    run=_reading_rows,
+    shares=whole(_reading_rows),
     views={
-        "": (
-            Pivot(right_with_interval, "questions"),
-            lambda row: row.variant in (PROGRAM, VALUE),
+        "": Pivot(
+            right_with_interval, "questions", shows=lambda row: row.variant in (PROGRAM, VALUE)
         ),
-        "Families that were trained on, by primitive": (
-            Pivot(lambda row: f"{row.right:.2f}", "primitive"),
-            lambda row: row.variant == SEEN,
+        "Families that were trained on, by primitive": Pivot(
+            "right:.2f", "primitive", shows=lambda row: row.variant == SEEN
         ),
-        "Doubt": (Listing(_DOUBT), lambda row: row.variant == PROGRAM),
+        "Doubt": Listing(_DOUBT, lambda row: row.variant == PROGRAM),
     },
+)
+
+
+def _own_rows(run: Run) -> Iterator[Row]:
+    graded = []
+    questions = _questions(run.seed)
+    clips = run.size(CLIPS, 2)
+    for place, made in enumerate(simulated_mixtures(clips, run.seed)):
+        run.progress("own answers", place, clips)
+        try:
+            encoded = run.answerer.encode(made.clip)
+        except UnreadableClip:
+            continue
+        for question in islice(questions, OWN_EACH):
+            reply = run.answerer.ask(encoded, question)
+            if reply.values:
+                is_own = reply.told_by == "model"
+                graded += [(case, OWN, is_own, made.object_name) for case in ("all", reply.kind)]
+    yield from sorted(share_rows(graded, run.seed), key=lambda row: row.case)
+
+
+def _questions(seed: int) -> Iterator[str]:
+    """Yield questions about one clip, of families kept from training."""
+    for pair in grammar().pairs(seed, "test"):
+        answers = read(pair.query).answers
+        words = {each.word for answer in answers for each in answer}
+        leans = words & {*LEANING, "again", "plain", "talk", "not-understood"}
+        if answers and not leans and not any(map(asks_of_two, answers)):
+            yield pair.text
+
+
+OWN_ANSWERS = Section(
+    name="own-answers",
+    title="What the language model says itself",
+    about="""\
+Every answer follows from values. It is the language model's own where the model, given its tactile
+prefix, the question and the program, says the same sentence word for word; numbers are copied from
+the value. Clips are simulated and turn, slide and press at once, objects and families of phrasing
+are kept from training. What the model feels at its slots stands beside probe and rivals above.""",
+    shares=whole(_own_rows),
+    views={"": Pivot(right_with_interval, "kind of answer")},
 )

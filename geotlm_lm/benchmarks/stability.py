@@ -20,9 +20,9 @@ import torch
 from geotlm_lm.answering import Answerer
 from geotlm_lm.benchmarks.cases import simulated_cases
 from geotlm_lm.benchmarks.damaged import LONG_FRAMES, damage_kinds, extreme_clips
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import Case, clustered_interval
-from geotlm_lm.benchmarks.rendering import number, save_figure
+from geotlm_lm.benchmarks.rendering import save_figure, text
 from geotlm_lm.benchmarks.variants import GENERATED, QUESTION
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import GeoTLMError
@@ -297,29 +297,22 @@ def _draw_damage(rows: Sequence[Row], path: Path) -> None:
     save_figure(figure, rows, path)
 
 
-def _details(form: str, *names: str) -> dict[str, Callable[[Row], str]]:
-    """Return columns of a row's detail, titled by their names; "-" where there is none."""
-    return {
-        name.replace("_", " "): lambda row, name=name: number(row.detail.get(name), form)
-        for name in names
-    }
-
-
-def _case(row: Row) -> str:
-    return row.case
-
-
 def _plain(row: Row) -> str:
     return " ".join(row.outcome.replace("|", "/").split())  # a bar would end the cell
 
 
 def _wrong(row: Row) -> str:
     low_high = f" ({row.interval[0]:.2f}-{row.interval[1]:.2f})" if row.interval else ""
-    return number(row.error, ".2f") + low_high
+    return text("error:.2f", row) + low_high
+
+
+def _details(form: str, *names: str) -> dict[str, str]:
+    """Return columns of a row's detail, titled by their names."""
+    return {name.replace("_", " "): f"{name}:{form}" for name in names}
 
 
 _ASKED = Listing(
-    {"clips": _case, "level": lambda row: row.variant, "n": lambda row: str(row.count)}
+    {"clips": "case", "level": "variant", "n": "count"}
     | _details("d", *OUTCOMES, "false_directions")
     | {"wrong of answers": _wrong}
     | _details(".2f", "probability")
@@ -333,8 +326,8 @@ DAMAGE = Section(
     about=f"""\
 Simulated objects kept from training, damaged more and more. A fifth of training's clips were
 damaged as well: by JPEG, a dim or drifting camera, or a fainter touch. {OUTCOMES_ABOUT}""",
-    run=damage_rows,
-    views={"": (_ASKED, every)},
+    shares=whole(damage_rows),
+    views={"": _ASKED},
     figure=_draw_damage,
     headline=failures_headline,
 )
@@ -343,8 +336,8 @@ EXTREME = Section(
     name="extreme",
     title="Extreme recordings",
     about=f"Where nothing can be told, only silence or a refusal is right. {OUTCOMES_ABOUT}",
-    run=_extreme_rows,
-    views={"": (_ASKED, every)},
+    shares=whole(_extreme_rows),
+    views={"": _ASKED},
     headline=failures_headline,
 )
 
@@ -354,12 +347,11 @@ SCENES = Section(
     about="""\
 What the contact solver makes of a scene, by the preset that data sets are made with or what that
 escalates to, and what the model says of its four frames.""",
-    run=_scene_rows,
+    shares=whole(_scene_rows),
     views={
-        "": (Pivot(_plain, "scene", with_count=False), every),
-        "Residuals": (
-            Listing({"scene": _case} | _details(".1e", *RESIDUALS)),
-            lambda row: RESIDUALS[0] in row.detail,
+        "": Pivot(_plain, "scene", with_count=False),
+        "Residuals": Listing(
+            {"scene": "case"} | _details(".1e", *RESIDUALS), lambda row: RESIDUALS[0] in row.detail
         ),
     },
     headline=failures_headline,
@@ -372,6 +364,6 @@ NUMERICS = Section(
 As written, Eq. 5 shrinks a unit field under a faint mask; the exposed mass undoes that
 (*recovered*). A half without contact reads as a turn would, and *its mass*, 0, says so. By what the
 mask is the sigmoid of, which training changes, gradients stay bounded.""",
-    run=lambda run: map(mask_row, MASKS),
-    views={"": (Listing({"mask": _case} | _CONTACT), every)},
+    shares=whole(lambda run: map(mask_row, MASKS)),
+    views={"": Listing({"mask": "case"} | _CONTACT)},
 )
