@@ -12,8 +12,7 @@ from typing import Any
 from geotlm_lm.benchmarks.amounts import AMOUNTS, MIXTURES
 from geotlm_lm.benchmarks.candidates import CANDIDATE_SECTION
 from geotlm_lm.benchmarks.clips import CLIPS_SECTION, clip_rows
-from geotlm_lm.benchmarks.contact import CONTACT
-from geotlm_lm.benchmarks.detection import DETECTION
+from geotlm_lm.benchmarks.detection import CONTACT, DETECTION
 from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, whole
 from geotlm_lm.benchmarks.loop import LOOP, WATCHING
 from geotlm_lm.benchmarks.omissions import SAVED

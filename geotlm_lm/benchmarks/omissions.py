@@ -80,7 +80,7 @@ def scene_omissions(preset: Preset) -> Iterator[Omission]:
         return lambda: solved(preset, scene, build_profile(scene.body), with_drift=with_drift)
 
     twist, press = moving("key", turn_deg=9.0), moving("key", from_mm=0.2)
-    slide, finer = moving("key", slide_mm=0.84), replace(preset, step_share=0.25)
+    slide, finer = moving("key", x_mm=0.84), replace(preset, step_share=0.25)
     slippery = replace(press, gel=replace(press.gel, friction=0.0))
     for name, scene, full, lean in (
         ("friction, no shear asked", twist, solve(preset, twist), solve(preset, twist, False)),

@@ -7,7 +7,6 @@ whole surface at image resolution, without profile and rendering.
 
 from __future__ import annotations
 
-import math
 import os
 import subprocess
 import sys
@@ -46,6 +45,7 @@ from geotlm_lm.benchmarks.judging import (
     rows_of_replies,
 )
 from geotlm_lm.benchmarks.rendering import save_figure
+from geotlm_lm.benchmarks.stability import scene_of
 from geotlm_lm.benchmarks.variants import FITS, GENERATED, PROBE, QUESTION, all_variants, rival
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
@@ -59,8 +59,7 @@ from geotlm_lm.simulation.camera import idle_frame
 from geotlm_lm.simulation.contact import PRESETS, Preset, dome_mm
 from geotlm_lm.simulation.optics import lit
 from geotlm_lm.simulation.profile import Profile, build_profile
-from geotlm_lm.simulation.scene import Body, Gel, Scene
-from geotlm_lm.simulation.scene import Path as BodyPath
+from geotlm_lm.simulation.scene import Scene
 from geotlm_lm.simulation.surface import pressed_surface
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
@@ -84,8 +83,6 @@ Fields = tuple[NDArray[np.float32], NDArray[np.float32] | None]
 """Indentation (frames, side, side) and drift (frames, 2, side, side), mm; no drift if not asked."""
 
 Solve = Callable[[Scene, Profile], Fields]
-
-STEPS, DEPTH_MM = np.linspace(0, 1, 4), 0.6
 
 HEIGHT, DRIFT, IMAGE = "height, um RMS", "drift, relative L2", "image, grey RMS"
 """What is held against the reference."""
@@ -233,20 +230,15 @@ def run_fresh(code: str, *words: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def moving(
-    body: str, *, slide_mm: float = 0.0, turn_deg: float = 0.0, from_mm: float = DEPTH_MM
-) -> Scene:
-    """Return a body that slides or turns 0.6 mm deep, or is pressed from `from_mm` on to there."""
-    depths = tuple(from_mm + (DEPTH_MM - from_mm) * STEPS)
-    still, turns = (0.0,) * len(STEPS), tuple(math.radians(turn_deg) * STEPS)
-    path = BodyPath(depths, tuple(slide_mm * STEPS), still, turns)
-    gel = Gel(thickness_mm=4.0, poisson_ratio=0.48, friction=0.5)
-    return Scene(Body(body), path, Motion.STILL, gel)
+def moving(body: str, **amount: float) -> Scene:
+    """Return a body that slides, turns or is pressed, 0.6 mm deep."""
+    gel = {"thickness_mm": 4.0, "poisson_ratio": 0.48, "friction": 0.5}
+    return scene_of(4, body=body, **{"turn_deg": 0.0} | amount, **gel)
 
 
 def scenes() -> dict[str, Scene]:
     """Return a ball, a ridged key and a nut: twisted by 9 degrees, slid by 0.9 mm, pressed."""
-    moves = {"twist": {"turn_deg": 9.0}, "slide": {"slide_mm": 0.9}, "press": {"from_mm": 0.2}}
+    moves = {"twist": {"turn_deg": 9.0}, "slide": {"x_mm": 0.9}, "press": {"from_mm": 0.2}}
     return {
         f"{name}, {move}": moving(body, **amount)
         for name, body in (("ball", "ball_medium"), ("key", "key"), ("nut", "hex_nut"))
@@ -278,7 +270,7 @@ SOLVERS: dict[str, Solve] = {
 
 
 def _simulator_rows(run: Run) -> Iterator[Row]:
-    chosen = scenes() if not run.is_quick else {"ball, slide": moving("ball_medium", slide_mm=0.9)}
+    chosen = scenes() if not run.is_quick else {"ball, slide": moving("ball_medium", x_mm=0.9)}
     yield from error_rows(chosen, SOLVERS, run.size("reference", "good"), run.size(3, 1))
 
 

@@ -60,7 +60,7 @@ MASKS = tuple(10.0**-power for power in range(13))
 STIFF_CASES: dict[str, Mapping[str, Any]] = tomllib.loads(
     Path(__file__).with_name("stiff_scenes.toml").read_text()
 )
-"""Scenes by what is unlike the base scene, options of `stiff_scene`; the base scene first."""
+"""Scenes by what is unlike the base scene, options of `scene_of`; the base scene first."""
 
 RESIDUALS = ("penetration_um", "gradient_share", "cone_excess")
 """What the solver reports of how far it is from a solution."""
@@ -140,7 +140,7 @@ def judge(
 def judge_scene(run: Run, case: Mapping[str, Any]) -> Verdict:
     """Return what became of the question about a scene in four frames."""
     try:
-        made = simulate([stiff_scene(4, **case)], seed=run.seed, preset="good")[0]
+        made = simulate([scene_of(4, **case)], seed=run.seed, preset="good")[0]
     except ValueError as error:
         return Verdict(REFUSED, 0.0, str(error))
     except Exception as error:  # a defect of the simulator is a row like any other
@@ -180,12 +180,13 @@ def row_of(case: str, verdicts: Sequence[Verdict], variant: str = GENERATED) -> 
     )
 
 
-def stiff_scene(
+def scene_of(
     frames: int,
     *,
     body: str = "key",
     size: float = 1.0,
     depth_mm: float = 0.6,
+    from_mm: float | None = None,
     turn_deg: float = 9.0,
     x_mm: float = 0.0,
     start_mm: float = 0.0,
@@ -193,15 +194,16 @@ def stiff_scene(
 ) -> Scene:
     """Return a body that is pressed in `depth_mm` and turns or travels along x, in some frames.
 
-    It begins `start_mm` from the view's middle; `gel` is what is unlike GelSight Mini's. What the
-    simulator refuses is a ValueError.
+    It begins `start_mm` from the view's middle, and `from_mm` deep where that is less; `gel` is
+    what is unlike GelSight Mini's. What the simulator refuses is a ValueError.
     """
-    shares = np.linspace(0, 1, frames).tolist()
+    shares = np.linspace(0, 1, frames)
+    first = depth_mm if from_mm is None else from_mm
     path = BodyPath(
-        depth_mm=(depth_mm,) * frames,
-        x_mm=tuple(start_mm + x_mm * share for share in shares),
+        depth_mm=tuple((first + (depth_mm - first) * shares).tolist()),
+        x_mm=tuple((start_mm + x_mm * shares).tolist()),
         y_mm=(0.0,) * frames,
-        rotation_rad=tuple(math.radians(turn_deg) * share for share in shares),
+        rotation_rad=tuple((math.radians(turn_deg) * shares).tolist()),
     )
     motion = Motion.CLOCKWISE if turn_deg else Motion.RIGHT
     return Scene(Body(body, size=size), path, motion, Gel(**gel))
@@ -211,7 +213,7 @@ def contact_row(name: str, case: Mapping[str, Any]) -> Row:
     """Return how a scene's contact was solved; catches nothing but a refusal."""
     preset = preset_named("good")
     try:
-        scene = stiff_scene(2, **case)
+        scene = scene_of(2, **case)
     except ValueError as error:
         return Row(name, "contact", outcome=f"refused: {error}")
     contact = solve_contact(scene, build_profile(scene.body), preset, with_drift=True)

@@ -7,7 +7,7 @@ Every recipe sees the same tokens, standardised on training, in the same order.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -15,7 +15,6 @@ import torch.nn.functional as F
 from numpy.typing import NDArray
 from torch import Tensor
 
-from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import Labels, generator_for, group_codes, seed_for
@@ -108,14 +107,6 @@ class FoldOutcome:
     parameters: int
 
 
-def part_of(data: TokenSet, rows: Rows) -> TokenSet:
-    """Return some rows of a set of tokens."""
-    values = {name: value for name, value in vars(data).items() if value is not None}
-    tokens = values.pop("tokens")
-    tokens = Tokens(tokens.global_token[rows], tokens.patches[rows])
-    return replace(data, tokens=tokens, **{name: own[rows] for name, own in values.items()})
-
-
 def train_on_fold(
     data: TokenSet,
     fold: Fold,
@@ -132,7 +123,7 @@ def train_on_fold(
 
     Every row's motion is one of `labels`. The paper takes 30 epochs.
     """
-    train, val, test = (part_of(data, rows) for rows in (fold.train, fold.val, fold.test))
+    train, val, test = map(data.only, (fold.train, fold.val, fold.test))
     widths = train.tokens.patches.shape[-1], train.tokens.global_token.shape[-1]
     dgr = None if recipe.parts is None else AblatedDGR(*widths, recipe.parts)
     weights = torch.Generator().manual_seed(seed_for(seed, "weights", "fold"))

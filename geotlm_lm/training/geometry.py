@@ -16,6 +16,7 @@ import torch.nn.functional as F
 from torch import Tensor, nn
 
 from geotlm_lm.backbone.tokens import Tokens
+from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.numbers import generator_for, seed_for
@@ -71,6 +72,21 @@ class TokenSet:
             is_readable=torch.tensor([label.is_readable for label in labels]),
             counts_motion=torch.tensor([counts_motion(label) for label in labels]),
         )
+
+    @classmethod
+    def joined(cls, parts: Sequence[TokenSet]) -> TokenSet:
+        """Return several sets, one behind the other."""
+        names = ("global_token", "patches")
+        tokens = (torch.cat([getattr(part.tokens, name) for part in parts]) for name in names)
+        columns = {name: [vars(part)[name] for part in parts] for name in list(vars(parts[0]))[1:]}
+        rest = {k: None if own[0] is None else torch.cat(own) for k, own in columns.items()}
+        return cls(Tokens(*tokens), **rest)
+
+    def only(self, rows: Any) -> TokenSet:
+        """Return some of the clips."""
+        rest = {k: None if own is None else own[rows] for k, own in list(vars(self).items())[1:]}
+        tokens = Tokens(self.tokens.global_token[rows], self.tokens.patches[rows])
+        return TokenSet(tokens, **rest)
 
 
 class TokenReader(nn.Module):
@@ -172,6 +188,21 @@ def train_reader(
     )
     reader.cpu()
     return best
+
+
+def halved(tokens: Tokens) -> Tokens:
+    """Return tokens with those of patches in half precision.
+
+    Raises:
+        UsageError: If they do not fit it.
+    """
+    patches = tokens.patches.half()
+    if not bool(torch.isfinite(patches).all() and torch.isfinite(tokens.global_token).all()):
+        raise UsageError(
+            f"tokens up to {float(tokens.patches.abs().max()):.3g} were found, expected below "
+            f"65504; the weights are not those of a trained encoder."
+        )
+    return Tokens(tokens.global_token, patches, tokens.views)
 
 
 def better_mode(accuracies: Mapping[str, float]) -> DGRMode:

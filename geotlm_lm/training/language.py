@@ -92,8 +92,8 @@ class LanguageTraining:
         reading_steps: Steps of the second, on questions and their programs.
         slots_steps: Steps of the third, on what is felt in clips.
         sentences_steps: Steps of the fourth, on answers about clips.
-        batch: Questions a step, or passages of English; a quarter of them beside questions.
-        answers: Answers about clips a step; four times as many clips alone.
+        batch: Questions a step, or passages of English, of which a quarter comes beside questions;
+            half as many answers about clips, or twice as many clips alone.
         warmup: Steps over which the learning rate rises.
         dropout: Share of byte pairs that are left apart.
         passes: How often each question drawn is learned from, words hidden anew.
@@ -107,7 +107,6 @@ class LanguageTraining:
     slots_steps: int = 2_000
     sentences_steps: int = 1_500
     batch: int = 128
-    answers: int = 128
     warmup: int = 300
     dropout: float = 0.1
     passes: int = 1
@@ -161,7 +160,7 @@ def train_language(
         UsageError: If the checkpoint belongs to another configuration, or a batch does not divide
             among the ranks.
     """
-    ranks.refuse_uneven(config.batch, config.answers)
+    ranks.refuse_uneven(config.batch, config.batch // 2)
     if (folder / "language" / SPELLING_FILE).exists():
         return folder / "language"
     spelling = ranks.from_first(lambda: _spelling(config, taught, folder))
@@ -287,9 +286,9 @@ class _Stage:
 
     def _about_clips(self, step: int) -> Iterator[list[Batch]]:
         """Yield each step's batch of clips alone, or of answers about them."""
-        rows, size = Clips(self.taught.sentences, self.spelling), 4 * self.config.answers
+        rows, size = Clips(self.taught.sentences, self.spelling), 2 * self.config.batch
         if self.name == "sentences":
-            rows, size = Answers(self.taught.sentences, self.spelling), self.config.answers
+            rows, size = Answers(self.taught.sentences, self.spelling), self.config.batch // 2
         first, skipped = divmod(step, POOL)
         for pool in count(first):
             rng = generator_for(self.config.seed, "language", self.name, pool)
@@ -301,7 +300,8 @@ class _Stage:
     ) -> float:
         """Learn from this rank's share of the rows; return the loss of all."""
         config, ranks = self.config, self.ranks
-        optimiser.zero_grad(set_to_none=True)
+        # Gradients of an earlier stage would count in the norm, and not after an interruption.
+        model.zero_grad(set_to_none=True)
         total = 0.0
         for place, batch in enumerate(batches):
             draws = _generator(config.seed, self.name, "hidden", step, place)

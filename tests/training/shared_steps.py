@@ -36,7 +36,6 @@ LANGUAGE = LanguageTraining(
     slots_steps=STEPS,
     sentences_steps=STEPS,
     batch=16,
-    answers=8,
     warmup=2,
     dropout=0,  # which byte pairs are left apart no seed governs
     vocabulary=300,

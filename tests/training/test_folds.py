@@ -17,7 +17,6 @@ from geotlm_lm.training.folds import (
     initialise_from_truth,
     leave_one_object_out,
     object_folds,
-    part_of,
     train_on_fold,
 )
 from geotlm_lm.training.geometry import ALL_MOTIONS, TokenReader
@@ -66,7 +65,7 @@ def reader_of(data, dgr=None):
 
 
 def test_statistics_are_of_the_training_rows():
-    train = part_of(DATA, FOLD.train)
+    train = DATA.only(FOLD.train)
     reader = reader_of(train, AblatedDGR(6, 6, DGRParts()))
     tokens = reader.global_standardiser.apply(train.tokens.global_token)
     torch.testing.assert_close(tokens.mean(dim=0), torch.zeros(6))
@@ -96,7 +95,7 @@ def test_the_best_validation_epoch_is_kept_and_not_the_last(monkeypatch):
 
 
 def test_read_outs_of_the_truth_give_displacement_and_contact_back():
-    train, test = (part_of(DATA, rows) for rows in (FOLD.train, FOLD.test))
+    train, test = DATA.only(FOLD.train), DATA.only(FOLD.test)
     reader = reader_of(train, AblatedDGR(6, 6, DGRParts()))
     initialise_from_truth(reader, train)
     with torch.no_grad():
