@@ -10,7 +10,7 @@ import math
 import operator
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,17 +18,18 @@ from geotlm_lm.answering.encoded import recording_of
 from geotlm_lm.benchmarks.candidates import twists_of
 from geotlm_lm.benchmarks.cases import (
     MIXED_CLIPS,
+    TASKS,
     by_half,
     recordings_by_half,
     rows_of_half,
-    simulated_clips,
+    simulated_cases,
     simulated_mixtures,
     titled,
 )
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, whole
 from geotlm_lm.benchmarks.imprints import semi_real_slides
-from geotlm_lm.benchmarks.judging import Graded, share_row, share_rows
-from geotlm_lm.benchmarks.rendering import number, right_with_interval
+from geotlm_lm.benchmarks.judging import Case, Graded, share_row, share_rows
+from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.benchmarks.variants import BELIEF, FITS, GENERATED, RIVALS, on_gel, question_for
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UnreadableClip
@@ -53,7 +54,6 @@ from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.query.values import Measure, measure
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.truth import components_of, twist_of
-from geotlm_lm.track.block import measured_of
 
 if TYPE_CHECKING:
     from geotlm_lm.answering import Answerer, Encoded
@@ -77,7 +77,6 @@ LEAST_COSINE = math.cos(math.radians(45)) - 1e-9
 NINE_IN_TEN = 1.6448536269514722
 """Deviations of a normal spread on either side that hold nine in ten."""
 
-Unit = Literal["deg", "px"]
 MIXTURE_GELS = {
     "simulated mixtures": None,
     "simulated mixtures, gels in training": TRAINING_GELS,
@@ -85,11 +84,13 @@ MIXTURE_GELS = {
 }
 """Mixtures on a GelSight Mini, and on the kinds of gel that training saw and did not see."""
 
-TASK_UNITS: dict[str, Unit] = {"rotation": "deg", "sliding": "px"}
-
-COLUMNS: dict[Unit, tuple[tuple[str, ...], ...]] = {
-    "deg": (("rotation_deg_cw",), ("rotation_deg_cw_search",), ("rotation_deg_cw_cumulative",)),
-    "px": (("dx_px", "dy_px"), ("dx_px_cumulative", "dy_px_cumulative")),
+COLUMNS: dict[str, tuple[tuple[str, ...], ...]] = {
+    "rotation": (
+        ("rotation_deg_cw",),
+        ("rotation_deg_cw_search",),
+        ("rotation_deg_cw_cumulative",),
+    ),
+    "sliding": (("dx_px", "dy_px"), ("dx_px_cumulative", "dy_px_cumulative")),
 }
 """Columns of a table of windows that tell how far, and those of measurements beside the first."""
 
@@ -189,18 +190,24 @@ def words_prediction(answerer: Answerer, encoded: Encoded) -> Prediction:
     return Prediction(ways, counting=counting)
 
 
-def _fit_prediction(rival: RigidFlow | RigidAlignment, clip: Clip) -> Prediction:
-    fit = rival.fit(on_gel(clip))
-    rows, columns = camera_size(*clip.frames.shape[1:3])
-    right, down = fit.slide_x_px * IMAGE_SIDE / columns, fit.slide_y_px * IMAGE_SIDE / rows
-    return _rigid(Twist(fit.rotation_deg, right, down))
-
-
 def _rigid(twist: Twist) -> Prediction:
     """Return what a turn and a slide say, of which nobody tells whether they count."""
     ways = _parts(twist)
     del ways[Component.PRESS]
     return Prediction(ways, {part: math.hypot(*way) for part, way in ways.items()})
+
+
+def fitted_twist(rival: RigidFlow | RigidAlignment, clip: Clip) -> Twist:
+    """Return the rigid motion that a rival fits, in pixels of the 224-pixel image."""
+    fit = rival.fit(on_gel(clip))
+    rows, columns = camera_size(*clip.frames.shape[1:3])
+    right, down = fit.slide_x_px * IMAGE_SIDE / columns, fit.slide_y_px * IMAGE_SIDE / rows
+    return Twist(fit.rotation_deg, right, down)
+
+
+def all_twists(encoded: Encoded, clip: Clip) -> dict[str, Twist]:
+    """Return the motion of a clip by each measurement and each rival."""
+    return twists_of(encoded) | {name: fitted_twist(fit, clip) for name, fit in FITS.items()}
 
 
 def mixture_rows(run: Run) -> list[Row]:
@@ -219,10 +226,9 @@ def mixture_rows(run: Run) -> list[Row]:
                 BELIEF: belief_prediction(encoded.belief),
                 GENERATED: words_prediction(run.answerer, encoded),
             }
-            for name, twist in twists_of(measured_of(encoded.clip, encoded.perception)).items():
-                predictions[name] = _rigid(twist)
-            for name, rival in zip(RIVALS, FITS.values(), strict=True):
-                predictions[name] = _fit_prediction(rival, made.clip)
+            named = dict(zip(FITS, RIVALS, strict=True))
+            for name, twist in all_twists(encoded, made.clip).items():
+                predictions[named.get(name, name)] = _rigid(twist)
             for name, predicted in predictions.items():
                 for what, is_right in grades(made.label, predicted):
                     yield f"{title}, {what}", name, is_right, made.object_name
@@ -232,71 +238,43 @@ def mixture_rows(run: Run) -> list[Row]:
     return sorted(rows, key=lambda row: row.case)
 
 
-@dataclass(frozen=True, eq=False)
-class Moved:
-    """A clip of four frames whose imprint goes `amount` degrees, or pixels of its own frames."""
-
-    clip: Clip
-    unit: Unit
-    amount: float
-    motion: Motion
-    family: str
-
-    def is_right(self, value: float) -> bool:
-        """Whether an amount is within tolerance, pixels being those of a 224-pixel image."""
-        rows, columns = self.clip.frames.shape[1:3]
-        side = rows if self.motion in (Motion.UP, Motion.DOWN) else columns
-        scale = side / IMAGE_SIDE if self.unit == "px" else 1.0
-        return within_tolerance(value / scale, self.amount / scale, self.unit)
-
-
 def amount_rows(run: Run) -> Iterator[Row]:
     """Yield a row of the belief, each candidate and each rival for each source of clips."""
-    for title, clips in _sources(run):
+    for title, cases in _sources(run):
         run.progress(f"how far, {title}", 0, 1)
-        answers: dict[str, list[tuple[Moved, Measure | float]]] = {}
-        for moved in clips:
-            encoded, component = run.answerer.encode(moved.clip), COMPONENT_OF[moved.motion].value
+        answers: dict[str, list[tuple[Case, Measure | float]]] = {}
+        for case in cases:
+            encoded, component = run.answerer.encode(case.clip), COMPONENT_OF[case.motion].value
             amount = measure(component, encoded.belief, FrameSpec(), recording_of(encoded))
-            answers.setdefault(BELIEF, []).append((moved, amount))
-            for name, twist in twists_of(measured_of(encoded.clip, encoded.perception)).items():
-                answers.setdefault(name, []).append((moved, amount_in(moved, twist)))
-            for name, rival in FITS.items():
-                answers.setdefault(name, []).append((moved, fitted_amount(rival, moved)))
+            answers.setdefault(BELIEF, []).append((case, amount))
+            for name, twist in all_twists(encoded, case.clip).items():
+                answers.setdefault(name, []).append((case, amount_in(case, twist)))
         for method, pairs in answers.items():
             yield amount_row(title, method, pairs, run.seed)
 
 
-def _sources(run: Run) -> Iterator[tuple[str, Iterator[Moved]]]:
+def _sources(run: Run) -> Iterator[tuple[str, Iterator[Case]]]:
     """Yield titles and clips: simulated, real windows whose tables tell how far, semi-real."""
     few = slice(run.size(None, 2))
-    for task, unit in TASK_UNITS.items():
-        clips = simulated_clips(task, run.size(CLIPS, 4), run.seed)
-        yield (
-            f"simulated {task}",
-            (
-                Moved(made.clip, unit, made.label.amount, made.label.motion, made.object_name)
-                for made in clips
-            ),
-        )
+    for task in COLUMNS:
+        yield f"simulated {task}", simulated_cases(task, run.size(CLIPS, 4), run.seed)
     for name, half, real in recordings_by_half(run.real):
-        for task, unit in TASK_UNITS.items():
-            rows = tuple(row for row in real.rows if known_amount(row, unit))[few]
-            windows = _windows(replace(real, rows=rows), unit)
+        for task in COLUMNS:
+            rows = tuple(row for row in real.rows if known_amount(row, task))[few]
+            windows = _windows(replace(real, rows=rows), task)
             yield titled(f"real {name}, {task}", half), windows
         touched = rows_of_half(read_touch_table(real.folder / TABLE_NAME), half)[few]
-        slides = semi_real_slides(touched, run.seed)
-        moved = (Moved(case.clip, "px", px, case.motion, case.family) for case, px in slides)
-        yield titled(f"semi-real {name}, sliding", half), moved
+        yield titled(f"semi-real {name}, sliding", half), semi_real_slides(touched, run.seed)
 
 
-def _windows(recordings: LabelledRecordings, unit: Unit) -> Iterator[Moved]:
+def _windows(recordings: LabelledRecordings, task: str) -> Iterator[Case]:
     for window in recordings.windows(frames=("four",), backwards=True):
-        amount = known_amount(window.row, unit)
-        yield Moved(window.clip, unit, amount, window.motion, window.row.object_family)
+        row = window.row
+        amount = known_amount(row, task)
+        yield Case(window.clip, window.motion, row.object_family, amount=amount)
 
 
-def known_amount(row: WindowRow, unit: Unit) -> float | None:
+def known_amount(row: WindowRow, task: str) -> float | None:
     """Return how far a labelled window goes; None where its table does not tell.
 
     Where a second measurement stands beside the first, the two have to agree within tolerance.
@@ -308,57 +286,60 @@ def known_amount(row: WindowRow, unit: Unit) -> float | None:
         except (KeyError, ValueError):
             return None
 
-    if row.motion not in (ROTATIONS if unit == "deg" else SLIDES):
+    if row.motion not in TASKS[task]:
         return None
-    first, *others = map(length, COLUMNS[unit])
+    first, *others = map(length, COLUMNS[task])
+    unit = unit_of(row.motion)
     agree = first and all(x is None or within_tolerance(x, first, unit) for x in others)
     return first if agree else None
 
 
-def fitted_amount(rival: RigidFlow | RigidAlignment, moved: Moved) -> float:
-    """Return the amount of the rigid motion that a rival fits, in pixels of the clip's frames."""
-    fit = rival.fit(on_gel(moved.clip))
-    if moved.unit == "deg":
-        return abs(fit.rotation_deg)
-    rows, columns = moved.clip.frames.shape[1:3]
-    camera_rows, camera_columns = camera_size(rows, columns)
-    x, y = fit.slide_x_px * columns / camera_columns, fit.slide_y_px * rows / camera_rows
-    return float(np.hypot(x, y))
+def unit_of(motion: Motion) -> str:
+    """Return the unit of how far a turn or a slide goes."""
+    return UNITS[COMPONENT_OF[motion]]
 
 
-def amount_in(moved: Moved, twist: Twist) -> float:
+def is_near(case: Case, value: float) -> bool:
+    """Whether an amount is within tolerance, pixels being those of a 224-pixel image."""
+    rows, columns = case.clip.frames.shape[1:3]
+    side = rows if case.motion in (Motion.UP, Motion.DOWN) else columns
+    scale = side / IMAGE_SIDE if case.motion in SLIDES else 1.0
+    return within_tolerance(value / scale, case.amount / scale, unit_of(case.motion))
+
+
+def amount_in(case: Case, twist: Twist) -> float:
     """Return how far a motion in pixels of the 224-pixel image goes in a clip's own frames."""
-    rows, columns = (side / IMAGE_SIDE for side in moved.clip.frames.shape[1:3])
+    rows, columns = (side / IMAGE_SIDE for side in case.clip.frames.shape[1:3])
     slide = math.hypot(twist.right_px * columns, twist.down_px * rows)
-    return abs(twist.turn_deg) if moved.unit == "deg" else slide
+    return abs(twist.turn_deg) if case.motion in ROTATIONS else slide
 
 
 def amount_row(
-    case: str, variant: str, pairs: Sequence[tuple[Moved, Measure | float]], seed: int
+    case: str, variant: str, pairs: Sequence[tuple[Case, Measure | float]], seed: int
 ) -> Row:
     """Return how near amounts are to the true ones; the belief's also say how sure."""
     values = [answer if isinstance(answer, float) else answer.value for _, answer in pairs]
-    right = [moved.is_right(value) for (moved, _), value in zip(pairs, values, strict=True)]
-    off_by = np.abs(np.array(values) / [moved.amount for moved, _ in pairs] - 1)
-    detail = {"unit": pairs[0][0].unit, "off_by": float(np.median(off_by))}
-    sure = [(moved.amount, answer) for moved, answer in pairs if not isinstance(answer, float)]
+    right = [is_near(own, value) for (own, _), value in zip(pairs, values, strict=True)]
+    off_by = np.abs(np.array(values) / [own.amount for own, _ in pairs] - 1)
+    detail = {"unit": unit_of(pairs[0][0].motion), "off_by": float(np.median(off_by))}
+    sure = [(own.amount, answer) for own, answer in pairs if not isinstance(answer, float)]
     if sure:
         is_held = [low <= amount <= high for amount, m in sure for low, high in [m.span]]
         detail["in_span"] = float(np.mean(is_held))
         detail["mean_probability"] = float(np.mean([m.probability for _, m in sure]))
-    families = [moved.family for moved, _ in pairs]
+    families = [own.family for own, _ in pairs]
     return share_row(case, variant, right, families, seed, detail=detail)
 
 
 _COLUMNS = {
-    "clips": lambda row: row.case,
-    "method": lambda row: row.variant,
-    "n": lambda row: str(row.count),
-    "unit": lambda row: row.detail["unit"],
+    "clips": "case",
+    "method": "variant",
+    "n": "count",
+    "unit": "unit",
     "right (95 %)": right_with_interval,
-    "off by, median": lambda row: f"{row.detail['off_by']:.0%}",
-    "span holds it": lambda row: number(row.detail.get("in_span")),
-    "mean probability": lambda row: number(row.detail.get("mean_probability")),
+    "off by, median": "off_by:.0%",
+    "span holds it": "in_span:.3f",
+    "mean probability": "mean_probability:.3f",
 }
 
 MIXTURES = Section(
@@ -373,8 +354,8 @@ the truth. *Counts* is whether a component is told where it moves and not told w
 what moves too little, or hardly shows, is left out; what moves barely is graded apart, by
 its true path. *Both ways* needs a turn and a slide told, each the right way. Words are asked about
 each component apart.""",
-    run=mixture_rows,
-    views={"": (Pivot(right_with_interval, "clips, what is graded"), every)},
+    shares=whole(mixture_rows),
+    views={"": Pivot(right_with_interval, "clips, what is graded")},
 )
 
 AMOUNTS = Section(
@@ -388,6 +369,6 @@ nine tenths of the true amounts, and how probable its amount is right. Simulated
 amounts are exact. Those of real windows were measured from the images: where two measurements
 differ by more than the tolerance the window is left out, and on gels with markers they are how far
 the markers went, which lag behind the object. Intervals resample families of objects.""",
-    run=amount_rows,
+    shares=whole(amount_rows),
     views=by_half(Listing(_COLUMNS)),
 )

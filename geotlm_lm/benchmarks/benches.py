@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
@@ -12,18 +12,15 @@ from typing import Any
 from geotlm_lm.benchmarks.amounts import AMOUNTS, MIXTURES
 from geotlm_lm.benchmarks.candidates import CANDIDATE_SECTION
 from geotlm_lm.benchmarks.clips import CLIPS_SECTION, clip_rows
-from geotlm_lm.benchmarks.contact import CONTACT
-from geotlm_lm.benchmarks.detection import DETECTION
-from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, Section, Share
-from geotlm_lm.benchmarks.loop import LOOP
+from geotlm_lm.benchmarks.detection import CONTACT, DETECTION
+from geotlm_lm.benchmarks.harness import QUICK, WHOLE, Bench, Run, whole
+from geotlm_lm.benchmarks.loop import LOOP, WATCHING
 from geotlm_lm.benchmarks.omissions import SAVED
-from geotlm_lm.benchmarks.own_answers import OWN_ANSWERS
 from geotlm_lm.benchmarks.pareto import COMMANDS, METHODS, SIMULATOR, STAGES
 from geotlm_lm.benchmarks.protocols import PROTOCOLS
-from geotlm_lm.benchmarks.reading import READING
+from geotlm_lm.benchmarks.reading import OWN_ANSWERS, READING
 from geotlm_lm.benchmarks.stability import DAMAGE, EXTREME, NUMERICS, SCENES
 from geotlm_lm.benchmarks.tracks import TRACKS
-from geotlm_lm.benchmarks.watching import WATCHING
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
@@ -62,7 +59,7 @@ EVALUATION = Bench(
     name="evaluate",
     title="Answers against truth",
     about="The model's words beside linear probes and optical flow, on clips none has seen.",
-    sections=(replace(CLIPS_SECTION, run=clip_rows, shares=None),),
+    sections=(replace(CLIPS_SECTION, shares=whole(clip_rows)),),
 )
 """The accuracy of a user's own recordings, data sets and model: nothing is split."""
 
@@ -145,7 +142,7 @@ def run_bench(
 def _measured(bench: Bench, run: Run, names: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return sections by name; parts that a stopped run of this very commit had are kept."""
     asked = [section for section in bench.sections if section.name in names]
-    parts = [(section.name, share) for section in asked for share in _shares(section, run)]
+    parts = [(section.name, share) for section in asked for share in section.shares(run)]
     # Others are sent the name: tables hold functions that no process can be sent.
     is_alone, seen = run.workers == ALONE, [run.real, run.model, *run.data]
     sent = (bench, run) if is_alone else (bench.name, replace(run, progress=silent, workers=ALONE))
@@ -183,17 +180,13 @@ def _measured(bench: Bench, run: Run, names: Sequence[str]) -> dict[str, dict[st
     return sections
 
 
-def _shares(section: Section, run: Run) -> Mapping[str, Share]:
-    return {"": partial(section.run, run)} if section.shares is None else section.shares(run)
-
-
 def _run_part(bench: Bench | str, run: Run, part: Part) -> dict[str, Any]:
     """Return the result of a part; a bench that was sent is looked up by its name."""
     bench = BENCHES[bench] if isinstance(bench, str) else bench
     section = bench.section(part[0])
     run.progress(f"{bench.name}: {section.title}", 0, 1)
     started = time.perf_counter()
-    rows = [row.to_dict() for row in _shares(section, run)[part[1]]()]
+    rows = [row.to_dict() for row in section.shares(run)[part[1]]()]
     return {
         "rows": rows,
         "seconds": round(time.perf_counter() - started, 1),

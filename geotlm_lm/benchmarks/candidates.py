@@ -6,7 +6,7 @@ A learned fusion is only needed where it is better than the best single thing th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from typing import TYPE_CHECKING
@@ -16,9 +16,8 @@ import torch
 from geotlm_lm.backbone.motions import MEASURED
 from geotlm_lm.benchmarks.cases import HALVES, MIXED_CLIPS, by_half, simulated_mixtures
 from geotlm_lm.benchmarks.clips import clip_shares
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
+from geotlm_lm.benchmarks.harness import Cell, Listing, Pivot, Row, Run, Section, Share
 from geotlm_lm.benchmarks.judging import Reply, Variant, share_rows
-from geotlm_lm.benchmarks.rendering import number
 from geotlm_lm.benchmarks.variants import (
     BELIEF,
     FITS,
@@ -111,8 +110,9 @@ def paths_of(seen: Measured) -> dict[str, tuple[float, float, float]]:
     return {name: tuple(path) for name, path in zip(CANDIDATES, paths, strict=False)}
 
 
-def twists_of(seen: Measured) -> dict[str, Twist]:
+def twists_of(encoded: Encoded) -> dict[str, Twist]:
     """Return the motions that are measured of a clip, by the names of what measures them."""
+    seen = measured_of(encoded.clip, encoded.perception)
     radius = float(seen.radius_px[0])
     return {
         name: Twist(math.degrees(turn / radius), right, down, 0.0)
@@ -225,19 +225,19 @@ def _seen_of(label: MotionLabel) -> Iterator[tuple[Component, str, Motion]]:
             yield component, size, twist.way(component)
 
 
-def _against(name: str) -> dict[str, Callable[[Row], str]]:
+def _against(name: str) -> dict[str, Cell]:
     return {
         name: lambda row: row.detail.get(name, {}).get("name", "-"),
-        f"leaning less {name}": lambda row: number(
-            row.detail.get(name, {}).get("difference"), "+.3f"
+        f"leaning less {name}": lambda row: (
+            f"{row.detail[name]['difference']:+.3f}" if name in row.detail else "-"
         ),
     }
 
 
 _RIVALRY = {
-    "clips": lambda row: row.case,
-    "n": lambda row: str(row.count),
-    "leaning": lambda row: number(row.right),
+    "clips": "case",
+    "n": "count",
+    "leaning": "right:.3f",
     **_against("best"),
     **_against("rival"),
     "below the rival": lambda row: "below" * row.detail.get("rival", {}).get("is_below", False),
@@ -245,12 +245,17 @@ _RIVALRY = {
 }
 
 _TOLD = {
-    "clips": lambda row: row.case,
-    "n": lambda row: str(row.count),
-    "method": lambda row: row.variant,
-    "the right way": lambda row: number(row.right),
-    "the wrong way": lambda row: number(row.detail.get("wrong_way")),
+    "clips": "case",
+    "n": "count",
+    "method": "variant",
+    "the right way": "right:.3f",
+    "the wrong way": "wrong_way:.3f",
 }
+
+
+def _is_told(row: Row) -> bool:
+    return row.variant in (TOLD, GENERATED)
+
 
 CANDIDATE_SECTION = Section(
     name="candidates",
@@ -262,13 +267,8 @@ A leaning is *below* the better rival by more than one clip and 0.005. *Weights*
 {", ".join(CANDIDATES)}, on the mean, where the network tells any. *Without* is
 what the belief leans to where one learned part of the network is left out. Of simulated mixtures
 each component that shows is asked about, by the size of its true path.""",
-    run=lambda run: (row for share in candidate_shares(run).values() for row in share()),
-    views=by_half(
-        Pivot(lambda row: number(row.right)),
-        "As a forced choice",
-        lambda row: row.variant not in (TOLD, GENERATED),
-    )
-    | by_half(Listing(_RIVALRY), "The leaning", lambda row: row.variant == LEANING)
-    | by_half(Listing(_TOLD), "Told", lambda row: row.variant in (TOLD, GENERATED)),
+    views=by_half(Pivot("right:.3f", shows=lambda row: not _is_told(row)), "As a forced choice")
+    | by_half(Listing(_RIVALRY, lambda row: row.variant == LEANING), "The leaning")
+    | by_half(Listing(_TOLD, _is_told), "Told"),
     shares=candidate_shares,
 )

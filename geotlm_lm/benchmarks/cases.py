@@ -11,14 +11,14 @@ from __future__ import annotations
 import hashlib
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, every
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -74,34 +74,26 @@ DataSet = TactileTracking | Manifest
 TrackedPairs = Sequence[tuple[Trial, Sequence[tracking.LabelledPair]]]
 
 
-def simulated_clips(
+def simulated_cases(
     task: str, count: int, seed: int, left_out: Counter[str] | None = None
-) -> Iterator[SimulatedClip]:
-    """Yield readable simulated clips of a task, with the whole truth about them.
+) -> Iterator[Case]:
+    """Yield readable simulated clips of a task.
 
     `left_out["unreadable_left_out"]` counts those whose images do not show the motion.
     """
     from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
     from geotlm_lm.simulation.simulate import simulate_series
 
-    yielded = 0
     root, most = seed_for(seed, "evaluation", task), MOST_TRIES * count
     for made in simulate_series(root, most, objects=EVERYDAY_OBJECTS, motions=TASKS[task]):
         if made.label.is_readable:
-            yield made
-            yielded += 1
-            if yielded == count:
+            name, label = made.object_name, made.label
+            yield Case(made.clip, label.motion, name, amount=label.amount)
+            count -= 1
+            if not count:
                 return
         elif left_out is not None:
             left_out["unreadable_left_out"] += 1
-
-
-def simulated_cases(
-    task: str, count: int, seed: int, left_out: Counter[str] | None = None
-) -> Iterator[Case]:
-    """Yield the same clips as cases."""
-    for made in simulated_clips(task, count, seed, left_out):
-        yield Case(made.clip, made.label.motion, made.object_name, made.object_name)
 
 
 def simulated_mixtures(
@@ -144,14 +136,12 @@ def is_reported(row: Row) -> bool:
     return f", {HALVES[1]}" not in row.case
 
 
-def by_half(
-    view: Listing | Pivot, title: str = "", shows: Callable[[Row], bool] = every
-) -> dict[str, tuple[Listing | Pivot, Callable[[Row], bool]]]:
+def by_half(view: Listing | Pivot, title: str = "") -> dict[str, Listing | Pivot]:
     """Return a view twice: the halves of recordings are never shown in one table."""
     tune = f"{title}. {TUNE_TITLE}" if title else TUNE_TITLE
     return {
-        title: (view, lambda row: shows(row) and is_reported(row)),
-        tune: (view, lambda row: shows(row) and not is_reported(row)),
+        title: replace(view, shows=lambda row: view.shows(row) and is_reported(row)),
+        tune: replace(view, shows=lambda row: view.shows(row) and not is_reported(row)),
     }
 
 
@@ -217,7 +207,7 @@ def window_cases(recordings: LabelledRecordings) -> Iterator[Case]:
             "fps": "unknown" if window.clip.fps is None else f"{window.clip.fps:g}",
         }
         row = window.row
-        yield Case(window.clip, window.motion, row.object_id, row.object_family, tags)
+        yield Case(window.clip, window.motion, row.object_family, tags)
 
 
 def held_across(case: Case) -> Case:
@@ -265,7 +255,7 @@ def listed_cases(manifest: Manifest, among: Sequence[Motion]) -> Iterator[Case]:
     """Yield the clips of a manifest that show motions of a task, each read whole."""
     for row, clip in manifest.clips(among):
         tags = {"sensor": row.sensor or "unnamed"}
-        yield Case(clip, row.motion, row.object_id, row.object_id, tags)
+        yield Case(clip, row.motion, row.object_id, tags)
 
 
 def tracked_pairs(data: TactileTracking, task: str) -> tuple[TrackedPairs, dict[str, Any]]:
@@ -295,4 +285,4 @@ def pair_cases(pairs: TrackedPairs) -> Iterator[Case]:
         recording = trial.recording() if own else None
         for pair in own:
             clip = pair_clip(recording, trial, pair)
-            yield Case(clip, pair.motion, trial.object_id, trial.object_id)
+            yield Case(clip, pair.motion, trial.object_id)

@@ -155,7 +155,7 @@ def _recordings(
     if run.is_quick or not touched:
         return
     title, left_out = titled(f"semi-real {name}, sliding", half), Counter(cut_off_left_out=0)
-    slides = (case for case, _ in semi_real_slides(touched, run.seed, left_out))
+    slides = semi_real_slides(touched, run.seed, left_out)
     yield from judge.rows(title, judge.ask(title, slides, SLIDES, 2 * len(touched)), left_out)
 
 
@@ -242,7 +242,7 @@ def clips_headline(rows: Sequence[Row]) -> str:
 
 
 _RIVALRY = {
-    "clips": lambda row: row.case,
+    "clips": "case",
     "better rival": lambda row: row.detail["rival"]["name"],
     "leaning less it": _against,
     "below": lambda row: "below" * row.detail["rival"]["is_below"],
@@ -263,22 +263,16 @@ below the better of these two rivals by more than {NEAR:g} and one clip. Simulat
 from training; real clips are public GelSight Mini recordings that nothing was trained on, each also
 played backwards; semi-real ones move real imprints along known paths. No two kinds are pooled. Real
 objects are split once: things are chosen by *tune*, and *report* is what counts.""",
-    run=lambda run: clip_rows(run, HALVES),
+    shares=lambda run: clip_shares(run, HALVES, open_data_sets(run.data)),
     views=by_half(Pivot(_right))
     | {
-        "The belief's leaning less the better rival, clip by clip": (
-            Listing(_RIVALRY),
-            lambda row: "rival" in row.detail and is_reported(row),
+        "The belief's leaning less the better rival, clip by clip": Listing(
+            _RIVALRY, lambda row: "rival" in row.detail and is_reported(row)
         ),
-        "A turn or a slide claimed where there is none": (
-            Pivot(_claimed),
-            lambda row: "claims" in row.detail,
+        "A turn or a slide claimed where there is none": Pivot(
+            _claimed, shows=lambda row: "claims" in row.detail
         ),
-        "Left out": (
-            Listing({"clips": lambda row: row.case, "left out": left_out}),
-            lambda row: bool(left_out(row)),
-        ),
+        "Left out": Listing({"clips": "case", "left out": left_out}, shows=left_out),
     },
     headline=clips_headline,
-    shares=lambda run: clip_shares(run, HALVES, open_data_sets(run.data)),
 )

@@ -1,26 +1,45 @@
-"""How small a motion is told, and what is told where there is none.
+"""How small a motion is told, what is told of none, and whether and when something touches.
 
-Real imprints are moved and held over real idle frames.
+Real imprints are moved and held over real idle frames. Recordings that begin untouched, and grips
+already closed, are shown with their idle gel given, and without, where that has to be found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geotlm_lm.benchmarks.candidates import CANDIDATES, METHODS, MOVING, TOLD, Leanings, leanings
-from geotlm_lm.benchmarks.cases import HALVES, Half, by_half, titled
+from geotlm_lm.benchmarks.cases import HALVES, Half, by_half, half_of, rows_of_half, titled
 from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, Share
-from geotlm_lm.benchmarks.imprints import SOURCES, MovedImprint, moved_imprints
-from geotlm_lm.benchmarks.judging import clustered_interval, share_row
-from geotlm_lm.benchmarks.rendering import number, right_with_interval
+from geotlm_lm.benchmarks.imprints import (
+    BEFORE_LABEL,
+    GRIPS,
+    RELEASES,
+    SOURCES,
+    MovedImprint,
+    moved_imprints,
+    picture,
+    table_rows,
+)
+from geotlm_lm.benchmarks.judging import Graded, share_row, share_rows
+from geotlm_lm.benchmarks.rendering import right_with_interval
+from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.edit import opposite
+from geotlm_lm.core.errors import UnreadableClip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.data.touch_table import TABLE_NAME, read_touch_table
+from geotlm_lm.recordings.read import read_clip
+from geotlm_lm.track.events import EventKind
+
+if TYPE_CHECKING:
+    from geotlm_lm.answering import Encoded
 
 UNMOVED = {
     Motion.STILL: "held still",
@@ -76,39 +95,27 @@ def case_of(moved: MovedImprint) -> str:
 
 def moved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[Row]:
     """Yield what is told of motions of one size, and what each method leans to."""
-    families, named, right = [], [], []
-    leaning: dict[str, list[bool]] = {name: [] for name in METHODS}
-    for moved, seen in answered:
-        families.append(moved.family)
-        named.append(seen.named(moved.component))
-        right.append(named[-1] is moved.way)
-        for name, own in leaning.items():
-            own.append(seen.leans(name, moved.component) is moved.way)
-    claims = np.array([way is not None for way in named])
+    families = [moved.family for moved, _ in answered]
+    named = [(seen.named(moved.component), moved.way) for moved, seen in answered]
     detail = {
-        "claimed": float(claims.mean()),
-        "claimed_interval": clustered_interval(claims, families, seed=seed),
-        "wrong_way": float((claims & ~np.array(right)).mean()),
+        "claimed": float(np.mean([way is not None for way, _ in named])),
+        "wrong_way": float(np.mean([way not in (None, true) for way, true in named])),
         "refused": sum(seen.belief is None for _, seen in answered),
     }
-    yield share_row(case, TOLD, right, families, seed, detail=detail)
-    for name, own in leaning.items():
-        detail = off_by(name, answered)
-        yield share_row(case, name, own, families, seed, detail=detail)
+    yield share_row(case, TOLD, [way is true for way, true in named], families, seed, detail=detail)
+    for name in METHODS:
+        right = [seen.leans(name, moved.component) is moved.way for moved, seen in answered]
+        yield share_row(case, name, right, families, seed, detail=off_by(name, answered))
 
 
 def off_by(name: str, answered: Sequence[Answered]) -> dict[str, float]:
-    """Return the median and 95th percentile of a candidate's path in px; none of what has none."""
+    """Return the path in px that a candidate stays below in 95 of 100 clips, where it has any."""
     paths = [seen.paths[name] for _, seen in answered if name in seen.paths]
     if not paths:
         return {}
     turn, right, down = np.abs(paths).T
-    slide = np.hypot(right, down)
-    return {
-        f"{part}_px_{rank}": float(np.quantile(values, rank / 100))
-        for part, values in (("turn", turn), ("slide", slide))
-        for rank in (50, 95)
-    }
+    far = {"turn": turn, "slide": np.hypot(right, down)}
+    return {f"{part}_px_95": float(np.quantile(values, 0.95)) for part, values in far.items()}
 
 
 def unmoved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator[Row]:
@@ -117,12 +124,9 @@ def unmoved_rows(case: str, answered: Sequence[Answered], seed: int) -> Iterator
     claimed = {
         part: np.array([seen.named(part) is not None for _, seen in answered]) for part in MOVING
     }
-    touch = np.mean(
-        [seen.belief is not None and seen.belief.contact >= 0.5 for _, seen in answered]
-    )
-    detail = {str(part): float(own.mean()) for part, own in claimed.items()} | {
-        "touch": float(touch)
-    }
+    touches = [seen.belief is not None and seen.belief.contact >= 0.5 for _, seen in answered]
+    detail = {str(part): float(own.mean()) for part, own in claimed.items()}
+    detail["touch"] = float(np.mean(touches))
     silent = ~np.logical_or(*claimed.values())
     yield share_row(case, TOLD, silent, families, seed, detail=detail)
     # Of what grows, a path is no noise.
@@ -143,33 +147,29 @@ def surviving_rows(
         yield share_row(case, TOLD, survives, families, seed)
 
 
-def _share(name: str) -> Callable[[Row], str]:
-    return lambda row: number(row.detail.get(name))
-
-
 def _is_moved(row: Row) -> bool:
     return " by " in row.case
 
 
 _UNMOVED_COLUMNS = {
-    "clips": lambda row: row.case,
-    "n": lambda row: str(row.count),
-    "method": lambda row: row.variant,
+    "clips": "case",
+    "n": "count",
+    "method": "variant",
     "right (95 %)": right_with_interval,
-    "a turn told": _share("turn"),
-    "a slide told": _share("slide"),
-    "touch told": _share("touch"),
-    "turn px, 95 %": _share("turn_px_95"),
-    "slide px, 95 %": _share("slide_px_95"),
+    "a turn told": "turn:.3f",
+    "a slide told": "slide:.3f",
+    "touch told": "touch:.3f",
+    "turn px, 95 %": "turn_px_95:.3f",
+    "slide px, 95 %": "slide_px_95:.3f",
 }
 
 _TOLD_COLUMNS = {
-    "clips": lambda row: row.case,
-    "n": lambda row: str(row.count),
+    "clips": "case",
+    "n": "count",
     "told the right way (95 %)": right_with_interval,
-    "told at all": _share("claimed"),
-    "the wrong way": _share("wrong_way"),
-    "refused": lambda row: str(row.detail["refused"]),
+    "told at all": "claimed:.3f",
+    "the wrong way": "wrong_way:.3f",
+    "refused": "refused",
 }
 
 
@@ -186,15 +186,149 @@ turns or slides, nothing may be told, and a turn told of a press has to be told 
 same played backwards; beside it the path that a measurement stays below in 95 of 100
 of them. *physiclear* and *calibration* are unmarked gels, *gelslim4* and *letac* have dots; a
 calibration has one idle picture, with fresh noise.""",
-    run=lambda run: (row for share in detection_shares(run).values() for row in share()),
     views=by_half(
-        Listing(_TOLD_COLUMNS), "Moved: told", lambda row: _is_moved(row) and row.variant == TOLD
+        Listing(_TOLD_COLUMNS, lambda row: _is_moved(row) and row.variant == TOLD), "Moved: told"
     )
     | by_half(
-        Pivot(lambda row: number(row.right)),
+        Pivot("right:.3f", shows=lambda row: _is_moved(row) and row.variant != TOLD),
         "Moved: the right way, as a forced choice",
-        lambda row: _is_moved(row) and row.variant != TOLD,
     )
-    | by_half(Listing(_UNMOVED_COLUMNS), "Nothing turns or slides", lambda row: not _is_moved(row)),
+    | by_half(Listing(_UNMOVED_COLUMNS, lambda row: not _is_moved(row)), "Nothing turns or slides"),
     shares=detection_shares,
+)
+
+
+WITHIN_FRAMES = 3
+"""Frames by which a begin of contact may be off: labels by eye are no surer."""
+
+EVERY = 3
+"""Of recordings of unmarked gels, which are many."""
+
+NEVER = -1
+"""In the place of a first touched frame where nothing touches."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A recording without its idle gel, and what is true of its contact."""
+
+    clip: Clip
+    idle: Frames
+    kind: str
+    family: str
+    begin: int  # first touched frame: 0 where it is touched throughout, NEVER without a touch
+    only_presses: bool = False  # whether nothing is ever lifted
+
+
+def contact_recordings(folder: Path, half: Half) -> Iterator[Recording]:
+    """Yield the recordings of a half whose contact is known: with dots first, then unmarked."""
+    yield from _grips(folder / GRIPS, half)
+    yield from _releases(folder / RELEASES, half)
+    for table in sorted(folder.glob(f"*/{TABLE_NAME}")):
+        for row in rows_of_half(read_touch_table(table), half)[::EVERY]:
+            clip = read_clip(row.path)
+            idle = _middle(clip.frames[row.surely_idle])
+            yield Recording(clip, idle, table.parent.name, row.object_family, row.contact_start)
+
+
+def _grips(own: Path, half: Half) -> Iterator[Recording]:
+    for row in table_rows(own / "labels.csv"):
+        family, begin = row["clip"].rpartition("_")[0], int(row["contact_from"])
+        if half_of(family) == half:
+            clip = read_clip(own / row["clip"])
+            before = clip.select(range(begin - BEFORE_LABEL))
+            idle = _middle(before.frames)
+            yield Recording(clip, idle, "gelslim4", family, begin, only_presses=True)
+            yield Recording(before, idle, "gelslim4, cut before the touch", family, NEVER)
+
+
+def _releases(own: Path, half: Half) -> Iterator[Recording]:
+    """Yield grips that open, and backwards: closed by and by, after the gel was seen untouched."""
+    rows = table_rows(own / "labels.csv")
+    untouched = [read_clip(own / row["name"]) for row in rows if row["label"] == "no contact"]
+    idle = picture(own / "idle.png") if rows else None
+    for row in rows:
+        family = row["name"].partition("_tr_")[0]
+        if half_of(family) != half:
+            continue
+        clip = read_clip(own / row["name"])
+        if row["label"] == "no contact":
+            yield Recording(clip, idle, "letac, nothing touches", family, NEVER)
+            continue
+        closing = Clip(clip.frames[::-1], name=clip.name)  # with numbers that rise
+        yield Recording(clip, idle, "letac, touched throughout", family, 0)
+        yield Recording(closing, idle, "letac, played backwards", family, 0, only_presses=True)
+        joined = Clip(np.concatenate([untouched[0].frames, closing.frames]), name=clip.name)
+        begin = len(untouched[0])
+        yield Recording(joined, idle, "letac, begins untouched", family, begin, only_presses=True)
+
+
+def contact_grades(recording: Recording, encoded: Encoded | None) -> Iterator[tuple[str, bool]]:
+    """Yield what is graded of a recording's contact, and whether it is right.
+
+    Of one that was refused (None) nothing is known, and nothing told.
+    """
+    begin, count = recording.begin, len(recording.clip)
+    is_known = encoded is not None and encoded.belief.is_contact_known
+    touched, kinds = np.zeros(count, bool), set()
+    if is_known:
+        touched[encoded.track.numbers] = encoded.track.is_touched
+    if encoded is not None:
+        kinds = {event.kind for event in encoded.track.events}
+    yield "contact known", is_known
+    if begin == NEVER:
+        yield "no touch told", not touched.any()
+    elif begin:
+        yield "no touch told before it", not touched[: max(begin - BEFORE_LABEL, 1)].any()
+        is_near = touched.any() and abs(int(np.argmax(touched)) - begin) <= WITHIN_FRAMES
+        yield f"begins within {WITHIN_FRAMES} frames", bool(is_near)
+    else:
+        yield "touch told", bool(touched.mean() >= 0.5)
+    if recording.only_presses:
+        yield "press not told as release", EventKind.RELEASE not in kinds
+
+
+def contact_shares(run: Run) -> Mapping[str, Share]:
+    """Return what yields the rows of each half."""
+    if run.real is None:
+        return {}
+    return {half: partial(_contact_rows, run, run.real, half) for half in HALVES}
+
+
+def _contact_rows(run: Run, folder: Path, half: Half) -> Iterator[Row]:
+    def graded() -> Iterator[Graded]:
+        shown: dict[str, int] = {}
+        for recording in contact_recordings(folder, half):
+            title = titled(recording.kind, half)
+            shown[title] = shown.get(title, 0) + 1
+            if run.is_quick and shown[title] > 1:
+                continue
+            run.progress(f"contact, {title}", shown[title], shown[title])
+            for variant, idle in (("idle gel found", None), ("idle gel given", recording.idle)):
+                clip = replace(recording.clip, background=idle)
+                try:
+                    encoded = run.answerer.encode(clip)
+                except UnreadableClip:
+                    encoded = None
+                for what, is_right in contact_grades(recording, encoded):
+                    yield f"{title}: {what}", variant, is_right, recording.family
+
+    yield from share_rows(graded(), run.seed)
+
+
+def _middle(frames: Frames) -> Frames:
+    return np.median(frames, axis=0).astype(np.uint8)
+
+
+CONTACT = Section(
+    name="contact",
+    title="Whether and when something touches",
+    about=f"""\
+Recordings that begin untouched, on gels with dots (*gelslim4*, *letac*) and on unmarked ones; clips
+in which nothing touches; grips that are closed from the first frame. The *idle gel* is found in the
+recording, or given. A touch told while contact is not known is none. *Begins* may be off by
+{WITHIN_FRAMES} frames. Where nothing is lifted, no release may be told. *Letac, begins untouched*
+joins untouched frames and a grip's, the latter backwards: a press.""",
+    shares=contact_shares,
+    views=by_half(Pivot(right_with_interval, "recordings, what is graded")),
 )

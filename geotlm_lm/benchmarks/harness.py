@@ -5,9 +5,9 @@ A bench has sections; a section gives rows and says how they are shown.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -105,39 +105,60 @@ class Run:
         return quick if self.is_quick else whole
 
 
+def every(row: Row) -> bool:
+    """Show all rows of a section in one table."""
+    return True
+
+
+Cell = str | Callable[[Row], str]
+"""Text of a row's cell: a function, or the name of a field or of a number of the detail, with a
+format behind a colon; "-" where there is none."""
+
+
 @dataclass(frozen=True)
 class Listing:
-    """One line per row; `columns` gives the text of a cell by the column's title."""
+    """One line per row; `columns` gives the cells by the column's title."""
 
-    columns: Mapping[str, Callable[[Row], str]]
+    columns: Mapping[str, Cell]
+    shows: Callable[[Row], object] = every
 
 
 @dataclass(frozen=True)
 class Pivot:
     """One line per case and one column per variant, in order of appearance."""
 
-    cell: Callable[[Row], str]
+    cell: Cell
     corner: str = "clips"  # title of the column of cases
     with_count: bool = True
+    shows: Callable[[Row], object] = every
 
 
 @dataclass(frozen=True)
 class Section:
     """One part of a bench; `about` says in Markdown what is measured and how to read it.
 
-    `views` are tables: title -> (how rows are shown, which of them). `headline` is Markdown for the
-    page and the README. `shares` gives the rows of `run`, in order, in independent shares by name:
-    workers take one each, and a stopped run keeps them; None where all is one share.
+    `shares` gives the rows in independent shares by name: workers take one each, and a stopped run
+    keeps them. `views` are tables by their titles. `headline` is Markdown for the page and the
+    README.
     """
 
     name: str
     title: str
     about: str
-    run: Callable[[Run], Iterable[Row]]
-    views: Mapping[str, tuple[Listing | Pivot, Callable[[Row], bool]]]
+    shares: Callable[[Run], Mapping[str, Share]]
+    views: Mapping[str, Listing | Pivot]
     figure: Callable[[Sequence[Row], Path], None] | None = None
     headline: Callable[[Sequence[Row]], str] | None = None
-    shares: Callable[[Run], Mapping[str, Share]] | None = None
+
+    def run(self, run: Run) -> Iterator[Row]:
+        """Yield the rows of all shares."""
+        for share in self.shares(run).values():
+            yield from share()
+
+
+def whole(rows: Callable[[Run], Iterable[Row]]) -> Callable[[Run], Mapping[str, Share]]:
+    """Return the shares of a section whose rows are one share."""
+    return lambda run: {"": partial(rows, run)}
 
 
 @dataclass(frozen=True)
@@ -152,11 +173,6 @@ class Bench:
     def section(self, name: str) -> Section:
         """Return a section by name."""
         return next(section for section in self.sections if section.name == name)
-
-
-def every(row: Row) -> bool:
-    """Show all rows of a section in one table."""
-    return True
 
 
 def rows_of(record: RunRecord, section: str) -> list[Row]:

@@ -22,18 +22,29 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.benchmarks.carrying import Floats, carried
 from geotlm_lm.benchmarks.cases import HALVES, Half, half_of, rows_of_half
 from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import opposite
-from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
+from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE, camera_size
 from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import COMPONENT_OF, Component
 from geotlm_lm.data.labelled_recordings import csv_lines
 from geotlm_lm.data.touch_table import TABLE_NAME, TouchRow, read_touch_table
 from geotlm_lm.recordings.read import read_clip
+
+Floats = NDArray[np.float32]
+
+MOVING_SHARE = 0.7
+"""Share of the way from the contact's middle to the rim in which a gel with dots moves as a whole:
+contacts reach over most of it, 60 to 90 of 224 pixels in radius."""
+
+_READ = np.linspace(0, 1, 513)
+_SHIFTED = _READ + _READ * (1 - _READ) * (1 - 2 * _READ) / 2
+"""Where OpenCV's cubic kernel (a = -0.75) is asked to read between two pixels, and how far it then
+shifts what is smooth: by 0.136 of a pixel when asked for 0.1. Asked the other way about, it shifts
+as far as it should."""
 
 SIZES_PX = (0.1, 0.2, 0.3, 0.5, 1.0)
 """Paths that imprints are moved by, pixels of the 224-pixel image; of turns at the radius."""
@@ -84,11 +95,6 @@ class Imprint:
     is_round: bool = False  # whether a turn cannot be seen
     has_dots: bool = False
 
-    @property
-    def half(self) -> Half:
-        """Half of the recordings that it belongs to."""
-        return half_of(self.family)
-
     def middle_and_radius(self) -> tuple[NDArray[np.float64], float]:
         """Return the middle of the contact, x before y in its frames' pixels, and its radius.
 
@@ -112,14 +118,17 @@ class MovedImprint:
     """A clip of a real imprint, or of the untouched gel, and what is true of it."""
 
     clip: Clip
-    component: Component | None  # that moves; None where it is held, or nothing touches
     way: Motion
     path_px: float  # pixels of the 224-pixel image; of a turn at the radius, 0 of a press
     kind: str
     object_id: str
     family: str
-    half: Half
     frames: str  # of CUTS
+
+    @property
+    def component(self) -> Component | None:
+        """Component that moves; None where it is held, or nothing touches."""
+        return COMPONENT_OF.get(self.way)
 
 
 def moved_imprints(
@@ -168,10 +177,9 @@ def _moved(
     made = partial(carried, imprint.change, about=middle, has_dots=imprint.has_dots)
 
     def both(clip: Clip, way: Motion, path_px: float = 0.0) -> Iterator[MovedImprint]:
-        about = (imprint.kind, imprint.object_id, imprint.family, imprint.half)
-        component = COMPONENT_OF.get(way)
+        about = (imprint.kind, imprint.object_id, imprint.family)
         for frames, places in CUTS.items():
-            yield MovedImprint(clip.select(places), component, way, path_px, *about, frames)
+            yield MovedImprint(clip.select(places), way, path_px, *about, frames)
 
     for size in sizes_px:
         for way in ways:
@@ -298,8 +306,8 @@ def table_rows(path: Path) -> list[dict[str, str]]:
 
 def semi_real_slides(
     rows: Sequence[TouchRow], seed: int, left_out: Counter[str] | None = None
-) -> Iterator[tuple[Case, float]]:
-    """Yield a slide of each imprint, forwards and backwards, and its travel in its frames' pixels.
+) -> Iterator[Case]:
+    """Yield a slide of each imprint, forwards and backwards.
 
     The four ways come in turn; `seed` is the root of travels, turns and idle frames. In the end
     `left_out["cut_off_left_out"]` counts imprints that are faint or reach the border.
@@ -310,9 +318,9 @@ def semi_real_slides(
         gel = _draw(imprint.idle, rng)
         clip = carried(imprint.change, gel, path_px=path_px, turn_deg=turn_deg)
         clip = replace(clip, name=imprint.object_id)
+        amount = travel_of(imprint.change, path_px, turn_deg)
         for shown, truth in ((clip, motion), (clip.reversed(), opposite(motion))):
-            case = Case(shown, truth, imprint.object_id, imprint.family)
-            yield case, travel_of(imprint.change, path_px, turn_deg)
+            yield Case(shown, truth, imprint.family, amount=amount)
 
 
 def slide_path(
@@ -345,3 +353,81 @@ def travel_of(imprint: Floats, path_px: Sequence[float], turn_deg: float) -> flo
 def picture(path: Path) -> NDArray[np.uint8]:
     """Return an image file as RGB."""
     return np.ascontiguousarray(cv2.imread(str(path))[..., ::-1])
+
+
+def carried(
+    change: Floats,
+    gel: tuple[Floats, Floats],
+    *,
+    path_px: Sequence[float] = (0.0, 0.0),
+    turn_deg: float = 0.0,
+    growth: tuple[float, float] = (1.0, 1.0),
+    about: Sequence[float] | None = None,
+    has_dots: bool = False,
+) -> Clip:
+    """Return four frames of an imprint over the gel, evenly from its own place to another.
+
+    Args:
+        change: A touched frame's change against the idle gel, (rows, columns, 3), grey levels.
+        gel: Four frames of it, and what it looks like on the mean.
+        path_px: Travel right and down, pixels of the frames.
+        turn_deg: Turn, clockwise positive.
+        growth: First strength and last, 1 as recorded.
+        about: What it turns about, x before y in pixels; None for the middle of the image.
+        has_dots: Whether the gel has dots, which go along about the contact and stay at the rim.
+    """
+    grounds, idle = gel
+    rows, columns = idle.shape[:2]
+    middle = np.array((columns / 2, rows / 2) if about is None else about)
+    camera_rows, camera_columns = camera_size(rows, columns)
+    # A turn is rigid on the gel, whose pixels are not square in a squashed picture.
+    stretch, frames = np.array([camera_columns / columns, camera_rows / rows]), []
+    window = window_about(middle, (rows, columns)) if has_dots else None
+    for share, ground in zip(np.linspace(0, 1, FRAME_COUNT), grounds, strict=True):
+        angle = np.radians(turn_deg * share)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+        turn = turn * stretch / stretch[:, None]
+        way = middle - turn @ middle + share * np.asarray(path_px)
+        strength = float(growth[0] + share * (growth[1] - growth[0]))
+        touched = strength * change + (idle if has_dots else 0)
+        rest = ground - idle if has_dots else ground
+        frames.append(as_image(rest + warped(touched, np.column_stack([turn, way]), window)))
+    return Clip(np.stack(frames), background=as_image(idle))
+
+
+def window_about(middle: Sequence[float], size: tuple[int, int]) -> Floats:
+    """Return the share of a motion that each pixel makes, (rows, columns).
+
+    It is 1 about a contact's middle, x before y in pixels, and falls smoothly to 0 at the rim.
+    """
+    sides = []
+    for place, length in zip(middle, size[::-1], strict=True):
+        off = np.arange(length) - place
+        out = np.abs(off) / np.maximum(np.where(off < 0, place, length - 1 - place), 1.0)
+        down = np.clip((1 - out) / (1 - MOVING_SHARE), 0, 1)
+        sides.append(down * down * (3 - 2 * down))
+    return np.outer(sides[1], sides[0]).astype(np.float32)
+
+
+def warped(picture: Floats, forth: NDArray[np.float64], window: Floats | None = None) -> Floats:
+    """Return a picture (rows, columns, 3) moved by an affine motion (2, 3), where a window lets it.
+
+    It is read once, by cubic interpolation.
+    """
+    if np.array_equal(forth, np.eye(2, 3)):
+        return picture
+    rows, columns = picture.shape[:2]
+    back = cv2.invertAffineTransform(forth)
+    at = np.stack(np.meshgrid(np.arange(columns), np.arange(rows)), axis=-1)
+    source = at @ back[:, :2].T + back[:, 2]
+    if window is not None:
+        source = at + window[..., None] * (source - at)
+    whole = np.floor(source)
+    read = (whole + np.interp(source - whole, _SHIFTED, _READ)).astype(np.float32)
+    reflect = cv2.BORDER_REFLECT_101
+    return cv2.remap(picture, read, None, cv2.INTER_CUBIC, borderMode=reflect)
+
+
+def as_image(values: NDArray[np.floating]) -> NDArray[np.uint8]:
+    """Return grey levels as a picture."""
+    return np.clip(np.rint(values), 0, 255).astype(np.uint8)

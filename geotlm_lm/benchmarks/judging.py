@@ -36,17 +36,17 @@ CLAIMED = (Component.TURN, Component.SLIDE)
 
 @dataclass(frozen=True)
 class Case:
-    """A clip (None once it has been asked about), its true motion and what is touched.
+    """A clip (None once it has been asked about), its true motion and how far that goes.
 
-    `object_id` is the unit of the macro average; `family`, objects that are not independent of each
-    other, that of resampling. Afterwards it can be selected by `tags`, e.g. played="backwards".
+    `family` names the objects that are resampled as a whole. Afterwards it can be selected by
+    `tags`, e.g. played="backwards".
     """
 
     clip: Clip | None
     motion: Motion
-    object_id: str
     family: str
     tags: Mapping[str, str] = field(default_factory=dict)
+    amount: float | None = None  # degrees, or pixels of the clip's own frames
 
 
 @dataclass(frozen=True)
@@ -163,11 +163,8 @@ def is_below(difference: float, count: int) -> bool:
 def _detail(replies: Replies, name: str) -> dict[str, Any]:
     truths = [case.motion for case in replies.cases]
     right, own = replies.right(name), replies.replies[name]
-    by_object = mean_by_group(right, [case.object_id for case in replies.cases])
     detail: dict[str, Any] = {
-        "macro_by_object": float(np.mean(list(by_object.values()))),
         "recall": {str(motion): share for motion, share in mean_by_group(right, truths).items()},
-        "unanswered": sum(reply.motion is None for reply in own),
         "wrong_way": sum(map(Reply.is_wrong_way, own, truths)) / len(own),
     }
     if own[0].weights:

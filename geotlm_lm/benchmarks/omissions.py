@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from geotlm_lm.answering import Encoded
-from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import milliseconds
 from geotlm_lm.benchmarks.pareto import Way, differences, in_turn, moving, runtime_clip, solved
-from geotlm_lm.benchmarks.rendering import number
 from geotlm_lm.benchmarks.variants import QUESTION
 from geotlm_lm.simulation.contact import PRESETS, Preset
 from geotlm_lm.simulation.profile import build_profile
@@ -81,7 +80,7 @@ def scene_omissions(preset: Preset) -> Iterator[Omission]:
         return lambda: solved(preset, scene, build_profile(scene.body), with_drift=with_drift)
 
     twist, press = moving("key", turn_deg=9.0), moving("key", from_mm=0.2)
-    slide, finer = moving("key", slide_mm=0.84), replace(preset, step_share=0.25)
+    slide, finer = moving("key", x_mm=0.84), replace(preset, step_share=0.25)
     slippery = replace(press, gel=replace(press.gel, friction=0.0))
     for name, scene, full, lean in (
         ("friction, no shear asked", twist, solve(preset, twist), solve(preset, twist, False)),
@@ -97,10 +96,10 @@ def _saved_rows(run: Run) -> Iterator[Row]:
 
 
 _COLUMNS = {
-    "left out": lambda row: row.case,
-    "when": lambda row: row.detail["when"],
-    "ms with it": lambda row: number(row.detail["full_ms"], ".1f"),
-    "ms without": lambda row: number(row.ms_p50, ".1f"),
+    "left out": "case",
+    "when": "when",
+    "ms with it": "full_ms:.1f",
+    "ms without": "ms_p50:.1f",
     "ms saved (range)": lambda row: "{1:.1f} ({0:.1f} to {2:.1f})".format(*row.detail["saved_ms"]),
     "costs": lambda row: "; ".join(f"{much:.2g} {x}" for x, much in row.detail["costs"].items()),
 }
@@ -111,6 +110,6 @@ SAVED = Section(
     about="""\
 Both ways run in turn, medians, one thread, on one simulated clip or scene. *Costs* is the error of
 leaving it out against doing it; none where the two do not tell the same.""",
-    run=_saved_rows,
-    views={"": (Listing(_COLUMNS), every)},
+    shares=whole(_saved_rows),
+    views={"": Listing(_COLUMNS)},
 )

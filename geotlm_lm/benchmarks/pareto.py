@@ -7,7 +7,6 @@ whole surface at image resolution, without profile and rendering.
 
 from __future__ import annotations
 
-import math
 import os
 import subprocess
 import sys
@@ -20,7 +19,6 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-import cv2
 import numpy as np
 import torch
 from numpy.typing import NDArray
@@ -38,7 +36,7 @@ from geotlm_lm.benchmarks.cases import (
     window_cases,
 )
 from geotlm_lm.benchmarks.damaged import write_video
-from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, every
+from geotlm_lm.benchmarks.harness import Listing, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import (
     Case,
     Variant,
@@ -46,8 +44,9 @@ from geotlm_lm.benchmarks.judging import (
     milliseconds,
     rows_of_replies,
 )
-from geotlm_lm.benchmarks.rendering import number, save_figure
-from geotlm_lm.benchmarks.variants import GENERATED, PROBE, QUESTION, all_variants, rival
+from geotlm_lm.benchmarks.rendering import save_figure
+from geotlm_lm.benchmarks.stability import scene_of
+from geotlm_lm.benchmarks.variants import FITS, GENERATED, PROBE, QUESTION, all_variants, rival
 from geotlm_lm.checkpoint import reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
@@ -55,26 +54,17 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.process import THREAD_VARIABLES
 from geotlm_lm.motion.measured import measured
-from geotlm_lm.probe.rigid_alignment import RigidAlignment
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.camera import idle_frame
 from geotlm_lm.simulation.contact import PRESETS, Preset, dome_mm
 from geotlm_lm.simulation.optics import lit
 from geotlm_lm.simulation.profile import Profile, build_profile
-from geotlm_lm.simulation.scene import Body, Gel, Scene
-from geotlm_lm.simulation.scene import Path as BodyPath
+from geotlm_lm.simulation.scene import Scene
 from geotlm_lm.simulation.surface import pressed_surface
 from geotlm_lm.simulation.touch import Touch, simulate_touch
 
 LINE, SENTENCE = "way all", "It turns clockwise, about 12 degrees, in the camera image."
 """What `QUESTION` asks, and an answer to it."""
-
-CLASSICAL = {
-    "optical flow, ultrafast": RigidFlow(preset=cv2.DISOPTICAL_FLOW_PRESET_ULTRAFAST),
-    "optical flow, fast": RigidFlow(),
-    "optical flow, medium": RigidFlow(preset=cv2.DISOPTICAL_FLOW_PRESET_MEDIUM),
-    "direct alignment": RigidAlignment(),
-}
 
 FOUR, PAIRS = "four frames", "pairs"
 
@@ -93,8 +83,6 @@ Fields = tuple[NDArray[np.float32], NDArray[np.float32] | None]
 """Indentation (frames, side, side) and drift (frames, 2, side, side), mm; no drift if not asked."""
 
 Solve = Callable[[Scene, Profile], Fields]
-
-STEPS, DEPTH_MM = np.linspace(0, 1, 4), 0.6
 
 HEIGHT, DRIFT, IMAGE = "height, um RMS", "drift, relative L2", "image, grey RMS"
 """What is held against the reference."""
@@ -128,7 +116,10 @@ def with_front(rows: Sequence[Row]) -> list[Row]:
 
 
 def _method_rows(run: Run) -> Iterator[Row]:
-    methods = {name: rival(fit.predict) for name, fit in CLASSICAL.items()}
+    presets = ("ultrafast", "fast", "medium")  # of OpenCV's flow, by number
+    fits = {f"optical flow, {name}": RigidFlow(place) for place, name in enumerate(presets)}
+    fits |= {name: fit for name, fit in FITS.items() if not isinstance(fit, RigidFlow)}
+    methods = {name: rival(fit.predict) for name, fit in fits.items()}
     own = all_variants(run.answerer, run.seed)
     methods |= {"linear probe": own[PROBE], "words": own[GENERATED]}
     for case_set in case_sets(run):
@@ -239,20 +230,15 @@ def run_fresh(code: str, *words: str) -> list[str]:
     return done.stdout.splitlines()
 
 
-def moving(
-    body: str, *, slide_mm: float = 0.0, turn_deg: float = 0.0, from_mm: float = DEPTH_MM
-) -> Scene:
-    """Return a body that slides or turns 0.6 mm deep, or is pressed from `from_mm` on to there."""
-    depths = tuple(from_mm + (DEPTH_MM - from_mm) * STEPS)
-    still, turns = (0.0,) * len(STEPS), tuple(math.radians(turn_deg) * STEPS)
-    path = BodyPath(depths, tuple(slide_mm * STEPS), still, turns)
-    gel = Gel(thickness_mm=4.0, poisson_ratio=0.48, friction=0.5)
-    return Scene(Body(body), path, Motion.STILL, gel)
+def moving(body: str, **amount: float) -> Scene:
+    """Return a body that slides, turns or is pressed, 0.6 mm deep."""
+    gel = {"thickness_mm": 4.0, "poisson_ratio": 0.48, "friction": 0.5}
+    return scene_of(4, body=body, **{"turn_deg": 0.0} | amount, **gel)
 
 
 def scenes() -> dict[str, Scene]:
     """Return a ball, a ridged key and a nut: twisted by 9 degrees, slid by 0.9 mm, pressed."""
-    moves = {"twist": {"turn_deg": 9.0}, "slide": {"slide_mm": 0.9}, "press": {"from_mm": 0.2}}
+    moves = {"twist": {"turn_deg": 9.0}, "slide": {"x_mm": 0.9}, "press": {"from_mm": 0.2}}
     return {
         f"{name}, {move}": moving(body, **amount)
         for name, body in (("ball", "ball_medium"), ("key", "key"), ("nut", "hex_nut"))
@@ -284,7 +270,7 @@ SOLVERS: dict[str, Solve] = {
 
 
 def _simulator_rows(run: Run) -> Iterator[Row]:
-    chosen = scenes() if not run.is_quick else {"ball, slide": moving("ball_medium", slide_mm=0.9)}
+    chosen = scenes() if not run.is_quick else {"ball, slide": moving("ball_medium", x_mm=0.9)}
     yield from error_rows(chosen, SOLVERS, run.size("reference", "good"), run.size(3, 1))
 
 
@@ -362,23 +348,20 @@ def draw_fronts(cases: str, scale: str, rows: Sequence[Row], path: Path) -> None
 
 _TIMED = {
     "what": lambda row: row.variant + " *" * row.detail.get("is_on_front", False),
-    "ms, median": lambda row: number(row.ms_p50, ".1f"),
-    "p95": lambda row: number(row.ms_p95, ".1f"),
+    "ms, median": "ms_p50:.1f",
+    "p95": "ms_p95:.1f",
 }
 _METHODS = Listing(
-    {"clips": lambda row: row.case, "n": lambda row: str(row.count)}
+    {"clips": "case", "n": "count"}
     | _TIMED
-    | {
-        "error": lambda row: number(row.error),
-        "95 %": lambda row: "{:.3f}-{:.3f}".format(*row.interval),
-    }
+    | {"error": "error:.3f", "95 %": lambda row: "{:.3f}-{:.3f}".format(*row.interval)}
 )
 _PRESETS = Listing(
     {
-        "compared": lambda row: row.case,
+        "compared": "case",
         "what": _TIMED["what"],
-        "ms": _TIMED["ms, median"],
-        "error": lambda row: f"{row.error:.3g}",
+        "ms": "ms_p50:.1f",
+        "error": "error:.3g",
         "range": lambda row: "{:.2g} to {:.2g}".format(*row.detail["range"]),
     }
 )
@@ -390,10 +373,10 @@ METHODS = Section(
 Every method is put to every clip in turn, on one thread, from the clip in memory to the motion.
 Words may name any of ten motions, the others choose among the task's. `*` marks what nothing beats
 in both error and median time.""",
-    run=_method_rows,
+    shares=whole(_method_rows),
     views={
-        "Simulated clips": (_METHODS, lambda row: row.case.startswith("simulated")),
-        "Real recordings": (_METHODS, lambda row: row.case.startswith("real")),
+        "Simulated clips": replace(_METHODS, shows=lambda row: row.case.startswith("simulated")),
+        "Real recordings": replace(_METHODS, shows=lambda row: row.case.startswith("real")),
     },
     figure=partial(draw_fronts, FOUR, "linear"),
 )
@@ -402,16 +385,16 @@ STAGES = Section(
     name="stages",
     title="Stages of an answer",
     about="Each stage alone on one clip, one thread; one prompt serves all ten scores.",
-    run=_stage_rows,
-    views={"": (Listing(_TIMED), every)},
+    shares=whole(_stage_rows),
+    views={"": Listing(_TIMED)},
 )
 
 COMMANDS = Section(
     name="commands",
     title="Cold starts of the commands",
     about="Fresh processes on one thread, files cached; MiB is the most they ever held.",
-    run=_command_rows,
-    views={"": (Listing(_TIMED | {"MiB": lambda row: number(row.memory_mib, ".0f")}), every)},
+    shares=whole(_command_rows),
+    views={"": Listing(_TIMED | {"MiB": "memory_mib:.0f"})},
 )
 
 SIMULATOR = Section(
@@ -420,7 +403,7 @@ SIMULATOR = Section(
     about="""\
 Presets and two shortcuts against the reference preset on a ball, a key and a nut that are twisted,
 slid or pressed: medians and ranges over nine scenes, one thread, surfaces alone.""",
-    run=_simulator_rows,
-    views={"": (_PRESETS, every)},
+    shares=whole(_simulator_rows),
+    views={"": _PRESETS},
     figure=partial(draw_fronts, "", "log"),
 )

@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 import torch
 from numpy.typing import NDArray
+from torch import Tensor
 
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.benchmarks import cases
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import share_row
 from geotlm_lm.benchmarks.rendering import right_with_interval
 from geotlm_lm.core.errors import UsageError
@@ -38,17 +39,15 @@ from geotlm_lm.runs.processes import threads
 from geotlm_lm.runs.run import ALONE, Workers
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate_series
+from geotlm_lm.training.examples import bin_means, truth_in_view
 from geotlm_lm.training.folds import (
     Fold,
     Recipe,
     leave_one_object_out,
     object_folds,
-    standardise_fold,
     train_on_fold,
 )
-from geotlm_lm.training.geometry import ALL_MOTIONS, TokenSet
-from geotlm_lm.training.recording_forms import bin_means, truth_in_view
-from geotlm_lm.training.truth import counts_motion
+from geotlm_lm.training.geometry import TokenSet, halved
 
 SEED = 42
 """Paper: training is seeded by 42 and the fold's number; a run's own seed is added."""
@@ -121,17 +120,22 @@ def task_clips(
     backbone: Backbone, task: str, objects: Sequence[str], count: int, seed: int, progress: Progress
 ) -> TaskClips:
     """Simulate and encode `count` readable clips of each object in a task, batch by batch."""
-    columns: dict[str, list[NDArray]] = {}
+    labels, flow, curl, among = [], [], [], cases.TASKS[task]
+    parts: dict[int, list[TokenSet]] = {frames: [] for frames in ORDERS}
     for done, name in enumerate(objects):
         progress(f"paper's protocols, {task}: objects encoded", done, len(objects))
         for batch in _batches(task, name, count, seed):
-            for key, values in _arrays(backbone, batch, task).items():
-                columns.setdefault(key, []).append(values)
-    arrays = {key: np.concatenate(values) for key, values in columns.items()}
-    data = {frames: _token_set(arrays, frames) for frames in ORDERS}
+            own = [made.label for made in batch]
+            labels += own
+            flow += [RigidFlow().predict(made.clip, among) for made in batch]
+            curl += [curl_features(made.clip) for made in batch]
+            for frames, order in ORDERS.items():
+                tokens = halved(backbone.encode([made.clip.select(order) for made in batch]))
+                truth = _truth(tokens, batch, order)
+                parts[frames].append(TokenSet.of(tokens, own, *truth))
     names = tuple(name for name in objects for _ in range(count))
-    truths, flow = ([ALL_MOTIONS[index] for index in arrays[key]] for key in ("motion", "flow"))
-    return TaskClips(data, names, truths, flow, arrays["curl"])
+    data = {frames: TokenSet.joined(own) for frames, own in parts.items()}
+    return TaskClips(data, names, [label.motion for label in labels], flow, np.stack(curl))
 
 
 def _batches(task: str, name: str, count: int, seed: int) -> Iterator[list[SimulatedClip]]:
@@ -151,53 +155,16 @@ def _batches(task: str, name: str, count: int, seed: int) -> Iterator[list[Simul
         )
 
 
-def _arrays(backbone: Backbone, batch: Sequence[SimulatedClip], task: str) -> dict[str, NDArray]:
-    clips, flow, among = [made.clip for made in batch], RigidFlow(), cases.TASKS[task]
-    arrays = {
-        "motion": np.array([ALL_MOTIONS.index(made.label.motion) for made in batch]),
-        "counts_motion": np.array([counts_motion(made.label) for made in batch]),
-        "flow": np.array([ALL_MOTIONS.index(flow.predict(clip, among)) for clip in clips]),
-        "curl": np.stack([curl_features(clip) for clip in clips]),
-    }
-    for frames, order in ORDERS.items():
-        tokens = backbone.encode([clip.select(order) for clip in clips])
-        patches = tokens.patches.half()
-        if not bool(torch.isfinite(patches).all() and torch.isfinite(tokens.global_token).all()):
-            raise UsageError(
-                f"tokens up to {float(tokens.patches.abs().max()):.3g} were found, expected below "
-                f"65504; the weights are not those of a trained encoder."
-            )
-        own = {"global": tokens.global_token.numpy(), "patches": patches.numpy()}
-        own |= _truth(tokens, batch, order)
-        arrays |= {f"{key}_{frames}": values for key, values in own.items()}
-    return arrays
-
-
-def _truth(
-    tokens: Tokens, batch: Sequence[SimulatedClip], order: Sequence[int]
-) -> dict[str, NDArray]:
+def _truth(tokens: Tokens, batch: Sequence[SimulatedClip], order: Sequence[int]) -> list[Tensor]:
     """Return true shear change and contact on the tokens' grid; nothing where it is another one."""
     if tokens.patches.shape[2:4] != (GRID_SIDE, GRID_SIDE) or None in tokens.views:
-        return {}
+        return []
     changes, contacts = [], []
     for view, made in zip(tokens.views, batch, strict=True):
         moved, contact, _ = (bin_means(values[list(order)]) for values in truth_in_view(view, made))
         changes.append(moved[1] - moved[0])
         contacts.append(contact.mean(axis=0))
-    truth = {"shear_change": np.stack(changes), "contact": np.stack(contacts)}
-    return {key: values.astype(np.float32) for key, values in truth.items()}
-
-
-def _token_set(arrays: dict[str, NDArray], frames: int) -> TokenSet:
-    tensors = {key: torch.from_numpy(values) for key, values in arrays.items()}
-    return TokenSet(
-        tokens=Tokens(tensors[f"global_{frames}"], tensors[f"patches_{frames}"]),
-        shear_change=tensors.get(f"shear_change_{frames}"),
-        contact=tensors.get(f"contact_{frames}"),
-        motions=tensors["motion"],
-        is_readable=torch.ones(len(tensors["motion"]), dtype=torch.bool),
-        counts_motion=tensors["counts_motion"],
-    )
+    return [torch.from_numpy(np.stack(own)).float() for own in (changes, contacts)]
 
 
 def methods_of(task: str, has_truth: bool) -> tuple[str, ...]:
@@ -211,7 +178,6 @@ def run_fold(
 ) -> dict[str, Outcome]:
     """Return the outcome of every method of a task on one fold."""
     labels, outcomes = cases.TASKS[task], {}
-    standardised = {frames: standardise_fold(data, fold) for frames, data in clips.data.items()}
     for name in methods:
         if name == FLOW:  # named when the clip was at hand; nothing is trained
             outcomes[name] = [clips.flow[row] for row in fold.test], 0
@@ -219,8 +185,8 @@ def run_fold(
             outcomes[name] = _curl(clips, fold, labels)
         else:
             recipe, frames = TRAINED[name]
-            data = standardised[frames]
-            trained = train_on_fold(data, labels, recipe, epochs=epochs, seed=seed)
+            data = clips.data[frames]
+            trained = train_on_fold(data, fold, labels, recipe, epochs=epochs, seed=seed)
             outcomes[name] = trained.predictions, trained.parameters
     return outcomes
 
@@ -311,8 +277,8 @@ def _recall(row: Row) -> str:
     return ", ".join(f"{way.value} {recall[way]:.3f}" for way in Motion if way in recall) or "-"
 
 
-def _of(methods: Sequence[str], task: str = "") -> Callable[[Row], bool]:
-    return lambda row: row.variant in methods and row.case.startswith(task)
+def _of(view: Pivot, methods: Sequence[str], task: str = "") -> Pivot:
+    return replace(view, shows=lambda row: row.variant in methods and row.case.startswith(task))
 
 
 _BY_METHOD = Pivot(
@@ -320,11 +286,11 @@ _BY_METHOD = Pivot(
 )
 
 _TOGETHER = {
-    "clips": lambda row: row.case,
-    "method": lambda row: row.variant,
-    "n": lambda row: str(row.count),
+    "clips": "case",
+    "method": "variant",
+    "n": "count",
     "right (95 %, objects resampled)": right_with_interval,
-    "trained numbers": lambda row: f"{row.detail['parameters']:,}",
+    "trained numbers": "parameters:,",
 }
 
 PROTOCOLS = Section(
@@ -340,14 +306,16 @@ backbone, AnyTouch 2. *DGR, paper* is the paper's GeoTLM; *grounded* is shaped b
 and contact as well. *Curl + LR* takes the curl of the imprint's optical flow. *Region pool only*
 weighs every patch alike; *contact mask only* keeps the weighted mean over the grid; *neither* is
 the plain mean. Two frames are the first and the last of the same clip, fed as a, a, b, b.""",
-    run=protocol_rows,
+    shares=whole(protocol_rows),
     views={
-        "Rotation, ours and published": (_BY_METHOD, _of(MAIN, "rotation")),
-        "Sliding, ours and published": (_BY_METHOD, _of(MAIN, "sliding")),
-        "Parts of DGR taken out": (_BY_METHOD, _of(ABLATION)),
-        "Two frames and four": (_BY_METHOD, _of(FRAMES)),
-        "Encoders that only the paper has": (_BY_METHOD, lambda row: row.variant not in OURS),
-        "Recall of each class": (Pivot(_recall, "task and clips", with_count=False), _of(MAIN)),
-        "All clips together": (Listing(_TOGETHER), lambda row: "parameters" in row.detail),
+        "Rotation, ours and published": _of(_BY_METHOD, MAIN, "rotation"),
+        "Sliding, ours and published": _of(_BY_METHOD, MAIN, "sliding"),
+        "Parts of DGR taken out": _of(_BY_METHOD, ABLATION),
+        "Two frames and four": _of(_BY_METHOD, FRAMES),
+        "Encoders that only the paper has": replace(
+            _BY_METHOD, shows=lambda row: row.variant not in OURS
+        ),
+        "Recall of each class": _of(replace(_BY_METHOD, cell=_recall), MAIN),
+        "All clips together": Listing(_TOGETHER, lambda row: "parameters" in row.detail),
     },
 )

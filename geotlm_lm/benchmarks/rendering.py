@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm.benchmarks.harness import QUICK, Bench, Listing, Pivot, Row, Section, rows_of
+from geotlm_lm.benchmarks.harness import QUICK, Bench, Cell, Listing, Pivot, Row, Section, rows_of
 from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.files import replacing, write_text_atomically
 from geotlm_lm.core.record import RunRecord
@@ -48,8 +48,8 @@ def page(bench: Bench, record: RunRecord) -> str:
 def tables(section: Section, rows: Sequence[Row]) -> list[str]:
     """Return the tables of a section, each under its title where it has one."""
     parts = []
-    for title, (view, shows) in section.views.items():
-        shown = [row for row in rows if shows(row)]
+    for title, view in section.views.items():
+        shown = [row for row in rows if view.shows(row)]
         if shown:
             parts += [f"### {title}"] * bool(title) + [table(view, shown)]
     return parts
@@ -58,9 +58,8 @@ def tables(section: Section, rows: Sequence[Row]) -> list[str]:
 def table(view: Listing | Pivot, rows: Sequence[Row]) -> str:
     """Return rows as one Markdown table."""
     if isinstance(view, Listing):
-        return markdown(
-            list(view.columns), [[cell(row) for cell in view.columns.values()] for row in rows]
-        )
+        lines = [[text(cell, row) for cell in view.columns.values()] for row in rows]
+        return markdown(list(view.columns), lines)
     variants = list(dict.fromkeys(row.variant for row in rows))
     by_case: dict[str, dict[str, Row]] = {}
     for row in rows:
@@ -68,10 +67,19 @@ def table(view: Listing | Pivot, rows: Sequence[Row]) -> str:
     lines = [
         [case]
         + [str(max(row.count for row in own.values()))] * view.with_count
-        + [view.cell(own[name]) if name in own else "-" for name in variants]
+        + [text(view.cell, own[name]) if name in own else "-" for name in variants]
         for case, own in by_case.items()
     ]
     return markdown([view.corner] + ["n"] * view.with_count + variants, lines)
+
+
+def text(cell: Cell, row: Row) -> str:
+    """Return the text of a row's cell."""
+    if callable(cell):
+        return cell(row)
+    name, _, form = cell.partition(":")
+    value = row.detail[name] if name in row.detail else getattr(row, name, None)
+    return "-" if value is None else format(value, form)
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -100,11 +108,6 @@ def provenance(record: RunRecord, section: str) -> str:
         f"{done['commit'] or 'unknown'}, seed {record.seed}, one thread of {done['processor']}, "
         f"{done['date']}."
     )
-
-
-def number(value: float | None, form: str = ".3f") -> str:
-    """Return a number as a cell; "-" where there is none."""
-    return "-" if value is None else format(value, form)
 
 
 def right_with_interval(row: Row) -> str:

@@ -20,9 +20,9 @@ import torch
 from geotlm_lm.answering import Answerer
 from geotlm_lm.benchmarks.cases import simulated_cases
 from geotlm_lm.benchmarks.damaged import LONG_FRAMES, damage_kinds, extreme_clips
-from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, every
+from geotlm_lm.benchmarks.harness import Listing, Pivot, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import Case, clustered_interval
-from geotlm_lm.benchmarks.rendering import number, save_figure
+from geotlm_lm.benchmarks.rendering import save_figure, text
 from geotlm_lm.benchmarks.variants import GENERATED, QUESTION
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import GeoTLMError
@@ -60,7 +60,7 @@ MASKS = tuple(10.0**-power for power in range(13))
 STIFF_CASES: dict[str, Mapping[str, Any]] = tomllib.loads(
     Path(__file__).with_name("stiff_scenes.toml").read_text()
 )
-"""Scenes by what is unlike the base scene, options of `stiff_scene`; the base scene first."""
+"""Scenes by what is unlike the base scene, options of `scene_of`; the base scene first."""
 
 RESIDUALS = ("penetration_um", "gradient_share", "cone_excess")
 """What the solver reports of how far it is from a solution."""
@@ -140,7 +140,7 @@ def judge(
 def judge_scene(run: Run, case: Mapping[str, Any]) -> Verdict:
     """Return what became of the question about a scene in four frames."""
     try:
-        made = simulate([stiff_scene(4, **case)], seed=run.seed, preset="good")[0]
+        made = simulate([scene_of(4, **case)], seed=run.seed, preset="good")[0]
     except ValueError as error:
         return Verdict(REFUSED, 0.0, str(error))
     except Exception as error:  # a defect of the simulator is a row like any other
@@ -180,12 +180,13 @@ def row_of(case: str, verdicts: Sequence[Verdict], variant: str = GENERATED) -> 
     )
 
 
-def stiff_scene(
+def scene_of(
     frames: int,
     *,
     body: str = "key",
     size: float = 1.0,
     depth_mm: float = 0.6,
+    from_mm: float | None = None,
     turn_deg: float = 9.0,
     x_mm: float = 0.0,
     start_mm: float = 0.0,
@@ -193,15 +194,16 @@ def stiff_scene(
 ) -> Scene:
     """Return a body that is pressed in `depth_mm` and turns or travels along x, in some frames.
 
-    It begins `start_mm` from the view's middle; `gel` is what is unlike GelSight Mini's. What the
-    simulator refuses is a ValueError.
+    It begins `start_mm` from the view's middle, and `from_mm` deep where that is less; `gel` is
+    what is unlike GelSight Mini's. What the simulator refuses is a ValueError.
     """
-    shares = np.linspace(0, 1, frames).tolist()
+    shares = np.linspace(0, 1, frames)
+    first = depth_mm if from_mm is None else from_mm
     path = BodyPath(
-        depth_mm=(depth_mm,) * frames,
-        x_mm=tuple(start_mm + x_mm * share for share in shares),
+        depth_mm=tuple((first + (depth_mm - first) * shares).tolist()),
+        x_mm=tuple((start_mm + x_mm * shares).tolist()),
         y_mm=(0.0,) * frames,
-        rotation_rad=tuple(math.radians(turn_deg) * share for share in shares),
+        rotation_rad=tuple((math.radians(turn_deg) * shares).tolist()),
     )
     motion = Motion.CLOCKWISE if turn_deg else Motion.RIGHT
     return Scene(Body(body, size=size), path, motion, Gel(**gel))
@@ -211,7 +213,7 @@ def contact_row(name: str, case: Mapping[str, Any]) -> Row:
     """Return how a scene's contact was solved; catches nothing but a refusal."""
     preset = preset_named("good")
     try:
-        scene = stiff_scene(2, **case)
+        scene = scene_of(2, **case)
     except ValueError as error:
         return Row(name, "contact", outcome=f"refused: {error}")
     contact = solve_contact(scene, build_profile(scene.body), preset, with_drift=True)
@@ -297,29 +299,22 @@ def _draw_damage(rows: Sequence[Row], path: Path) -> None:
     save_figure(figure, rows, path)
 
 
-def _details(form: str, *names: str) -> dict[str, Callable[[Row], str]]:
-    """Return columns of a row's detail, titled by their names; "-" where there is none."""
-    return {
-        name.replace("_", " "): lambda row, name=name: number(row.detail.get(name), form)
-        for name in names
-    }
-
-
-def _case(row: Row) -> str:
-    return row.case
-
-
 def _plain(row: Row) -> str:
     return " ".join(row.outcome.replace("|", "/").split())  # a bar would end the cell
 
 
 def _wrong(row: Row) -> str:
     low_high = f" ({row.interval[0]:.2f}-{row.interval[1]:.2f})" if row.interval else ""
-    return number(row.error, ".2f") + low_high
+    return text("error:.2f", row) + low_high
+
+
+def _details(form: str, *names: str) -> dict[str, str]:
+    """Return columns of a row's detail, titled by their names."""
+    return {name.replace("_", " "): f"{name}:{form}" for name in names}
 
 
 _ASKED = Listing(
-    {"clips": _case, "level": lambda row: row.variant, "n": lambda row: str(row.count)}
+    {"clips": "case", "level": "variant", "n": "count"}
     | _details("d", *OUTCOMES, "false_directions")
     | {"wrong of answers": _wrong}
     | _details(".2f", "probability")
@@ -333,8 +328,8 @@ DAMAGE = Section(
     about=f"""\
 Simulated objects kept from training, damaged more and more. A fifth of training's clips were
 damaged as well: by JPEG, a dim or drifting camera, or a fainter touch. {OUTCOMES_ABOUT}""",
-    run=damage_rows,
-    views={"": (_ASKED, every)},
+    shares=whole(damage_rows),
+    views={"": _ASKED},
     figure=_draw_damage,
     headline=failures_headline,
 )
@@ -343,8 +338,8 @@ EXTREME = Section(
     name="extreme",
     title="Extreme recordings",
     about=f"Where nothing can be told, only silence or a refusal is right. {OUTCOMES_ABOUT}",
-    run=_extreme_rows,
-    views={"": (_ASKED, every)},
+    shares=whole(_extreme_rows),
+    views={"": _ASKED},
     headline=failures_headline,
 )
 
@@ -354,12 +349,11 @@ SCENES = Section(
     about="""\
 What the contact solver makes of a scene, by the preset that data sets are made with or what that
 escalates to, and what the model says of its four frames.""",
-    run=_scene_rows,
+    shares=whole(_scene_rows),
     views={
-        "": (Pivot(_plain, "scene", with_count=False), every),
-        "Residuals": (
-            Listing({"scene": _case} | _details(".1e", *RESIDUALS)),
-            lambda row: RESIDUALS[0] in row.detail,
+        "": Pivot(_plain, "scene", with_count=False),
+        "Residuals": Listing(
+            {"scene": "case"} | _details(".1e", *RESIDUALS), lambda row: RESIDUALS[0] in row.detail
         ),
     },
     headline=failures_headline,
@@ -372,6 +366,6 @@ NUMERICS = Section(
 As written, Eq. 5 shrinks a unit field under a faint mask; the exposed mass undoes that
 (*recovered*). A half without contact reads as a turn would, and *its mass*, 0, says so. By what the
 mask is the sigmoid of, which training changes, gradients stay bounded.""",
-    run=lambda run: map(mask_row, MASKS),
-    views={"": (Listing({"mask": _case} | _CONTACT), every)},
+    shares=whole(lambda run: map(mask_row, MASKS)),
+    views={"": Listing({"mask": "case"} | _CONTACT)},
 )

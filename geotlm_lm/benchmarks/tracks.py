@@ -18,9 +18,9 @@ import numpy as np
 
 from geotlm_lm.alignment.dots import without_dots
 from geotlm_lm.benchmarks.cases import Half, by_half, recordings_by_half, rows_of_half, titled
-from geotlm_lm.benchmarks.harness import Pivot, Row, Run, Section
+from geotlm_lm.benchmarks.harness import Pivot, Row, Run, Section, whole
 from geotlm_lm.benchmarks.judging import share_row
-from geotlm_lm.benchmarks.rendering import right_with_interval
+from geotlm_lm.benchmarks.rendering import right_with_interval, text
 from geotlm_lm.benchmarks.variants import FITS
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
@@ -323,7 +323,7 @@ def _matching(planned: Planned, events: Sequence[Event]) -> Event | None:
 
 
 def _cell(row: Row) -> str:
-    return f"{row.detail['median']:.3f}" if "median" in row.detail else right_with_interval(row)
+    return text("median:.3f", row) if "median" in row.detail else right_with_interval(row)
 
 
 TRACKS = Section(
@@ -346,6 +346,6 @@ what the label is unsure of. A moment that never comes is wrong, and has no erro
 Simulated streams hold several motions in a row: an event is *found* if one of its kind and way
 overlaps it, its *ends* are right within 0.2 s, the *order* is that of the truth, and a single turn
 is *not told back* by a turn the other way.""",
-    run=_track_rows,
+    shares=whole(_track_rows),
     views=by_half(Pivot(_cell, "recordings, what is graded")),
 )

@@ -45,16 +45,16 @@ class HeadsPreset:
     answer_clips: int
     slots_steps: int
     sentences_steps: int
-    language_batch: int
+    language_batch: int  # questions a step; half as many answers about clips
+    english_steps: int = 0  # steps in which the language model learns English
+    reading_steps: int = 0  # steps in which it learns what questions mean
+    question_passes: int = 1  # how often each question that is drawn is learned from
 
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingPreset(HeadsPreset):
     """Sizes and lengths of one training run from nothing: heads on an encoder of its own."""
 
-    english_steps: int  # steps in which the language model learns English
-    reading_steps: int  # steps in which it learns what questions mean
-    question_passes: int  # how often each question that is drawn is learned from
     # Clips of the same objects as the head clips, on which the backbone is pretrained.
     pretraining_clips: int
     test_clips: int  # clips of everyday objects, scored once for the model card
@@ -77,7 +77,6 @@ DEFAULT = TrainingPreset(
     name="default",
     english_steps=2_000,
     reading_steps=7_000,
-    question_passes=1,
     answer_clips=4_096,
     slots_steps=2_000,
     sentences_steps=1_500,
@@ -110,7 +109,6 @@ SMOKE = replace(
     name="smoke",
     english_steps=10,
     reading_steps=20,
-    question_passes=1,
     answer_clips=24,
     slots_steps=10,
     sentences_steps=10,
@@ -119,7 +117,6 @@ SMOKE = replace(
     validation_clips=100,
     test_clips=100,
     backbone_width=64,
-    backbone_depth=2,
     backbone_heads=1,
     pretraining_draws=800,
     geometry_epochs=3,
@@ -135,7 +132,7 @@ HEADS_DEFAULT = HeadsPreset(
     answer_clips=2_048,
     slots_steps=1_000,
     sentences_steps=600,
-    language_batch=64,
+    language_batch=128,
 )
 
 HEADS_SMOKE = HeadsPreset(
@@ -146,7 +143,7 @@ HEADS_SMOKE = HeadsPreset(
     answer_clips=24,
     slots_steps=10,
     sentences_steps=10,
-    language_batch=32,
+    language_batch=64,
 )
 
 PRESETS = {preset.name: preset for preset in (SMOKE, DEFAULT, FULL)}

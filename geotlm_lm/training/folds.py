@@ -7,36 +7,21 @@ Every recipe sees the same tokens, standardised on training, in the same order.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 from numpy.typing import NDArray
-from torch import Tensor, nn
+from torch import Tensor
 
-from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import Labels, generator_for, group_codes, seed_for
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
-from geotlm_lm.dgr.encoder import DGR, Geometry
-from geotlm_lm.probe.linear import LinearProbe
-from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.training.config import DGRMode
-from geotlm_lm.training.fit import fit_epochs
-from geotlm_lm.training.geometry import (
-    ALL_MOTIONS,
-    BATCH,
-    DGR_RATE,
-    HEAD_RATE,
-    WEIGHT_DECAY,
-    TokenSet,
-    fit_standardisers,
-    grounding_loss,
-)
+from geotlm_lm.training.geometry import TokenReader, TokenSet, train_reader
 
-PREDICT_BATCH = 256
 VALIDATION_SHARE = 0.15
 
 RIDGE = 1e-3
@@ -122,38 +107,9 @@ class FoldOutcome:
     parameters: int
 
 
-@dataclass(frozen=True, eq=False)
-class StandardisedFold:
-    """The three parts of a fold in float32, standardised with the statistics of the first."""
-
-    train: TokenSet
-    val: TokenSet
-    test: TokenSet
-    global_standardiser: Standardiser
-    patch_standardiser: Standardiser
-
-
-def standardise_fold(data: TokenSet, fold: Fold) -> StandardisedFold:
-    """Cut a set of tokens into a fold's parts; only the training rows shape the statistics."""
-
-    def cut(rows: Rows) -> TokenSet:
-        values = {name: value for name, value in vars(data).items() if value is not None}
-        tokens = values.pop("tokens")
-        tokens = Tokens(tokens.global_token[rows], tokens.patches[rows])
-        return replace(data, tokens=tokens, **{name: v[rows] for name, v in values.items()})
-
-    parts = [cut(rows) for rows in (fold.train, fold.val, fold.test)]
-    whole, patchwise = fit_standardisers(parts[0].tokens)
-    ready = []
-    for part in parts:
-        global_token = whole.apply(part.tokens.global_token.float())
-        patches = patchwise.apply(part.tokens.patches.float())
-        ready.append(replace(part, tokens=Tokens(global_token, patches)))
-    return StandardisedFold(*ready, whole, patchwise)
-
-
 def train_on_fold(
-    fold: StandardisedFold,
+    data: TokenSet,
+    fold: Fold,
     labels: tuple[Motion, ...],
     recipe: Recipe,
     *,
@@ -167,93 +123,47 @@ def train_on_fold(
 
     Every row's motion is one of `labels`. The paper takes 30 epochs.
     """
-    reader = _Reader(fold.train.tokens, labels, recipe, seed)
+    train, val, test = map(data.only, (fold.train, fold.val, fold.test))
+    widths = train.tokens.patches.shape[-1], train.tokens.global_token.shape[-1]
+    dgr = None if recipe.parts is None else AblatedDGR(*widths, recipe.parts)
+    weights = torch.Generator().manual_seed(seed_for(seed, "weights", "fold"))
+    reader = TokenReader(train, labels, dgr, weights)
     if recipe.mode == "grounded":
-        initialise_from_truth(reader.dgr, fold.train)
-    best = fit_epochs(
+        initialise_from_truth(reader, train)
+    best = train_reader(
         reader,
-        torch.optim.AdamW(reader.rates(), weight_decay=WEIGHT_DECAY),
-        lambda rows: reader.loss(fold.train, rows),
-        lambda: reader.score(fold.val),
-        count=len(fold.train.tokens),
-        batch=BATCH,
+        train,
+        lambda: score(reader, val),
+        ("fold",),
+        mode=recipe.mode,
         epochs=epochs,
-        order=lambda epoch: generator_for(seed, "fold", epoch).permutation(len(fold.train.tokens)),
+        seed=seed,
     )
-    columns = reader.logits(fold.test).argmax(dim=-1)
     return FoldOutcome(
-        predictions=tuple(labels[index] for index in columns.tolist()),
+        predictions=tuple(labels[index] for index in reader.logits(test).argmax(dim=-1).tolist()),
         best_epoch=best.epoch,
         validation_accuracy=best.score[0],
         parameters=sum(parameter.numel() for parameter in reader.parameters()),
     )
 
 
-class _Reader(nn.Module):
-    """DGR where the recipe has one, and a linear probe (Eqs. 2-9)."""
-
-    def __init__(
-        self, tokens: Tokens, labels: tuple[Motion, ...], recipe: Recipe, seed: int
-    ) -> None:
-        super().__init__()
-        self.recipe = recipe
-        width, patch_width = tokens.global_token.shape[-1], tokens.patches.shape[-1]
-        self.dgr = None if recipe.parts is None else AblatedDGR(patch_width, width, recipe.parts)
-        self.probe = LinearProbe(width, labels)
-        self.columns = torch.full((len(ALL_MOTIONS),), -1)
-        for column, label in enumerate(labels):
-            self.columns[ALL_MOTIONS.index(label)] = column
-        generator = torch.Generator().manual_seed(seed_for(seed, "weights", "fold"))
-        for layer in self.modules():
-            if isinstance(layer, nn.Linear):
-                nn.init.normal_(layer.weight, 0, layer.in_features**-0.5, generator=generator)
-                nn.init.zeros_(layer.bias)
-
-    def rates(self) -> list[dict]:
-        """Return the parameters with their learning rates (paper, implementation details)."""
-        groups = [{"params": list(self.probe.parameters()), "lr": HEAD_RATE}]
-        if self.dgr is not None:
-            groups.append({"params": list(self.dgr.parameters()), "lr": DGR_RATE})
-        return groups
-
-    def forward(self, part: TokenSet, rows: Tensor | slice) -> tuple[Tensor, Geometry | None]:
-        """Return logits and geometry of some rows; patches are gathered only where DGR reads."""
-        tokens = part.tokens.global_token[rows]
-        if self.dgr is None:
-            return self.probe(tokens), None
-        geometry = self.dgr(part.tokens.patches[rows])
-        return self.probe(tokens + geometry.feature), geometry
-
-    def loss(self, part: TokenSet, rows: Tensor) -> Tensor:
-        """Return the training loss of a batch."""
-        logits, geometry = self(part, rows)
-        loss = F.cross_entropy(logits, self.columns[part.motions[rows]])
-        if self.recipe.mode == "grounded":
-            loss = loss + grounding_loss(geometry, part, rows)
-        return loss
-
-    @torch.no_grad()
-    def logits(self, part: TokenSet) -> Tensor:
-        """Return the logits of every row."""
-        starts = range(0, len(part.tokens), PREDICT_BATCH)
-        return torch.cat([self(part, slice(start, start + PREDICT_BATCH))[0] for start in starts])
-
-    def score(self, part: TokenSet) -> tuple[float, float]:
-        """Return accuracy and negative loss, so that the greater is the better."""
-        logits, truth = self.logits(part), self.columns[part.motions]
-        accuracy = (logits.argmax(dim=-1) == truth).float().mean()
-        return float(accuracy), -float(F.cross_entropy(logits, truth))
+def score(reader: TokenReader, data: TokenSet) -> tuple[float, float]:
+    """Return accuracy and negative loss, so that the greater is the better."""
+    logits, truth = reader.logits(data), reader.wanted(data)
+    accuracy = (logits.argmax(dim=-1) == truth).float().mean()
+    return float(accuracy), -float(F.cross_entropy(logits, truth))
 
 
 @torch.no_grad()
-def initialise_from_truth(dgr: DGR, train: TokenSet) -> None:
+def initialise_from_truth(reader: TokenReader, train: TokenSet) -> None:
     """Set shear and mask to the linear maps that come nearest to the truth of the training rows.
 
     The change of shear is fitted to the true change of displacement where there is contact, the
     mask's logit to the true contact. The bundle's own DGR starts from the read-outs its backbone
     was pretrained through; they are not kept with the weights, and encoders of others had none.
     """
-    patches, contact = train.tokens.patches, train.contact.float()
+    dgr, contact = reader.dgr, train.contact.float()
+    patches = reader.patch_standardiser.apply(train.tokens.patches.float())
     counted = contact * train.counts_motion.float()[:, None, None]
     change = train.shear_change.float() / FLOW_SCALE_PX
     shear, _ = _nearest(patches[:, 1] - patches[:, 0], change, counted, has_offset=False)

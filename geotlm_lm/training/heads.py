@@ -21,29 +21,22 @@ from numpy.typing import NDArray
 
 from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.backbone.tokens import Tokens
-from geotlm_lm.checkpoint import LANGUAGE_DIR, Bundle, embedded_bundle_dir, embedded_reader
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.checkpoint import Bundle, embedded_bundle_dir, embedded_reader
 from geotlm_lm.core.files import append_text, reserve, write_text_atomically
 from geotlm_lm.core.labels import MotionLabel
 from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.process import Progress, silent
-from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.training.config import (
     HEADS_PRESETS,
-    HeadsPreset,
     about_examples,
     claim_folder,
     example_sets,
     preset_named,
 )
-from geotlm_lm.training.examples import EXAMPLE, ExampleSet
-from geotlm_lm.training.geometry import TokenSet
-from geotlm_lm.training.grammar import corpus
-from geotlm_lm.training.language import LanguageTraining, Taught, blank_reader, train_language
-from geotlm_lm.training.recording_forms import RecordedForm
-from geotlm_lm.training.sentences import read_sentences, write_sentences
-from geotlm_lm.training.train import PER_CLIP, Seen, perceive, train_beliefs, train_perception
+from geotlm_lm.training.examples import EXAMPLE, ExampleSet, RecordedForm
+from geotlm_lm.training.geometry import TokenSet, halved
+from geotlm_lm.training.train import learn_language, learn_perception
 
 if TYPE_CHECKING:
     from geotlm_lm.backbone.released import ReleasedEncoder
@@ -76,40 +69,14 @@ def train_heads(
         for name in ("heads", "validation")
     )
     token_sets = (TokenSet.of(clips.tokens, clips.labels) for clips in (learned, validation))
-    shared = {"seed": seed, "progress": progress}
     epochs = settings.geometry_epochs
-    trained = train_perception(encoder, *token_sets, epochs, read_outs=None, out=out, **shared)
-    clips = (perceive(trained[0], part, progress, part.tokens_of) for part in (learned, validation))
-    seen = train_beliefs(*trained, *clips, **shared)
-    return seen.bundle(language_of(seen, settings, seed, out, progress), about)
-
-
-def language_of(
-    seen: Seen, settings: HeadsPreset, seed: int, out: Path, progress: Progress = silent
-) -> Reader:
-    """Return the language model that ships, taught to answer from what is seen here."""
-    width, shipped = seen.model.backbone.width, embedded_reader()
-    draft = seen.bundle(blank_reader(width), {})
-    folder, clips = out / "sentences", settings.answer_clips
-    write_sentences(folder, draft, clips, PER_CLIP, seed, progress=progress)
-    config = LanguageTraining(
-        english_steps=0,
-        reading_steps=0,
-        slots_steps=settings.slots_steps,
-        sentences_steps=settings.sentences_steps,
-        batch=settings.language_batch,
-        answers=settings.language_batch,
-        seed=seed,
-        size=shipped.decoder.size,
-    )
-    taught = Taught(
-        corpus("train"),
-        sentences=read_sentences(folder),
-        widths=(width, BELIEF_NUMBERS),
-        start=embedded_bundle_dir() / LANGUAGE_DIR,
-    )
-    own = Reader.load(train_language(config, taught, out, progress))
-    return Reader(own.decoder, own.spelling, shipped.calibration)
+    shared = {"seed": seed, "out": out, "progress": progress}
+    seen = learn_perception(encoder, learned, validation, *token_sets, epochs, **shared)
+    start = embedded_bundle_dir()
+    folder = learn_language(seen, settings, seed, out, start, "slots", progress=progress)
+    own = Reader.load(folder)
+    calibration = embedded_reader().calibration
+    return seen.bundle(Reader(own.decoder, own.spelling, calibration), about)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,17 +117,10 @@ def encode_examples(
     stored = _stored(path, encoder, wanted.count, is_new=not lines)
     for batch in _batches(wanted, seed, len(lines)):
         rows = slice(len(lines), len(lines) + len(batch))
-        tokens = encoder.encode([recorded.clip for _, recorded in batch])
-        patches = tokens.patches.half()
-        if not bool(torch.isfinite(patches).all() and torch.isfinite(tokens.global_token).all()):
-            raise UsageError(
-                f"{encoder.row.title}: tokens up to {float(tokens.patches.abs().max()):.3g} were "
-                f"found, expected below 65504; the file's weights are not those of a trained "
-                f"encoder."
-            )
+        tokens = halved(encoder.encode([recorded.clip for _, recorded in batch]))
         looks = [measure_clip(recorded.clip) for _, recorded in batch]
         stored["global"][rows] = tokens.global_token.numpy()
-        stored["patches"][rows] = patches.numpy()
+        stored["patches"][rows] = tokens.patches.numpy()
         stored["inputs"][rows] = np.stack([look.inputs for look in looks])
         stored["motions"][rows] = np.stack([look.motions.numbers() for look in looks])
         stored.flush()

@@ -11,9 +11,8 @@ from __future__ import annotations
 import json
 import math
 import re
-import time
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count, islice
 from pathlib import Path
@@ -24,10 +23,9 @@ from tokenizers import Tokenizer
 from torch import Tensor
 from torch.nn.functional import cross_entropy, pad
 
-from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.numbers import generator_for, seed_for
-from geotlm_lm.core.process import Progress, silent, uninterrupted_step
+from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.language.decoder import LanguageModel, fresh, served, stored, with_speaking
 from geotlm_lm.language.size import LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
@@ -45,7 +43,7 @@ from geotlm_lm.query.reader import (
     slipped_from,
     spelled_by,
 )
-from geotlm_lm.training.fit import load_checkpoint, save_checkpoint
+from geotlm_lm.training.fit import fit
 from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.language_rows import (
     POOL,
@@ -59,19 +57,29 @@ from geotlm_lm.training.language_rows import (
     sight,
     steps_from,
 )
-from geotlm_lm.training.muon import Muon, orthogonal_groups
+from geotlm_lm.training.muon import Muon
 from geotlm_lm.training.ranks import ALONE, Ranks
 from geotlm_lm.training.truth import UNASKED
 
 if TYPE_CHECKING:
     from geotlm_lm.training.sentences import Sentences
 
-CHECKPOINT_EVERY_S = 60.0
 VOCABULARY_PAIRS = 60_000
 """Texts that the vocabulary of byte pairs is made from, and at most as many passages."""
 
 WEIGHT_DECAY = 0.1
 """Of the matrices; gains, biases and embeddings are left alone."""
+
+LEARNING_RATE = 3e-3
+"""Peak of each stage; rises over the steps of `warmup` and falls to nothing as a cosine."""
+
+HIDDEN = 0.06
+"""Mean share of a question's tokens that are hidden; each question's own is between none and twice
+this."""
+
+CORPUS_SHARE, COMPOSED_SHARE = 0.2, 0.1
+"""Shares of questions drawn from the corpus instead of the grammar, half of them with the grammar's
+clauses around, and of programs composed at random."""
 
 NOISE = 0.2
 """Deviation of the noise on the fused token, in units of its spread over the training clips:
@@ -96,18 +104,10 @@ class LanguageTraining:
         reading_steps: Steps of the second, on questions and their programs.
         slots_steps: Steps of the third, on what is felt in clips.
         sentences_steps: Steps of the fourth, on answers about clips.
-        batch: Questions a step.
-        english: Passages a step; a quarter of them beside questions.
-        answers: Answers about clips a step; four times as many clips alone.
-        learning_rate: Peak of each stage; rises over `warmup` steps and falls to nothing as a
-            cosine.
-        warmup: Steps of the rise.
-        hidden: Mean share of a question's tokens that are hidden; each question's own is between
-            none and twice this.
+        batch: Questions a step, or passages of English, of which a quarter comes beside questions;
+            half as many answers about clips, or twice as many clips alone.
+        warmup: Steps over which the learning rate rises.
         dropout: Share of byte pairs that are left apart.
-        corpus_share: Share of questions drawn from the corpus instead of the grammar, half of them
-            with the grammar's clauses around.
-        composed_share: Share of programs composed at random.
         passes: How often each question drawn is learned from, words hidden anew.
         vocabulary: Byte pairs at most.
         seed: Of weights and draws.
@@ -119,22 +119,12 @@ class LanguageTraining:
     slots_steps: int = 2_000
     sentences_steps: int = 1_500
     batch: int = 128
-    english: int = 128
-    answers: int = 128
-    learning_rate: float = 3e-3
     warmup: int = 300
-    hidden: float = 0.06
     dropout: float = 0.1
-    corpus_share: float = 0.2
-    composed_share: float = 0.1
     passes: int = 1
     vocabulary: int = 4000
     seed: int = 0
     size: LanguageSize = field(default_factory=LanguageSize)
-
-    def steps_of(self, stage: str) -> int:
-        """Return how many steps a stage has."""
-        return getattr(self, f"{stage}_steps")
 
 
 @dataclass(frozen=True)
@@ -167,13 +157,13 @@ def train_language(
 ) -> Path:
     """Train a language model, not yet calibrated; return its folder, `folder`/language.
 
-    Goes on from the checkpoint in `folder`. The first rank draws and spells each step's rows, whose
-    byte pairs no seed governs, and all learn from their share.
+    Goes on from the checkpoints in `folder`, one a stage. The first rank draws and spells each
+    step's rows, whose byte pairs no seed governs, and all learn from their share.
 
     Args:
         config: How to train.
         taught: What from.
-        folder: Where the checkpoint lies; the first rank writes it.
+        folder: Where the checkpoints lie; the first rank writes them.
         progress: Shown each step.
         ranks: Which process this is, and where it trains.
         workers: Processes of the first rank that draw questions; 0 for itself.
@@ -182,20 +172,24 @@ def train_language(
         UsageError: If the checkpoint belongs to another configuration, or a batch does not divide
             among the ranks.
     """
-    ranks.refuse_uneven(config.batch, config.english, config.answers)
+    ranks.refuse_uneven(config.batch, config.batch // 2)
     if (folder / "language" / SPELLING_FILE).exists():
         return folder / "language"
     spelling = ranks.from_first(lambda: _spelling(config, taught, folder))
-    state = _restored(folder, config)
     model = _begun(config, taught, spelling)
-    for name in STAGES[STAGES.index(state["stage"]) if state else 0 :]:
+    taught_by = {
+        "english": taught.passages,
+        "reading": True,
+        "slots": taught.sentences,
+        "sentences": taught.sentences and config.size.speaking,
+    }
+    for name in STAGES:
         if name == "sentences":
             model = with_speaking(model, config.size.speaking, _generator(config.seed, "above"))
-        if _is_taught(name, config, taught):
+        stage = _Stage(name, config, taught, spelling, ranks, workers, progress)
+        if stage.steps and taught_by[name]:
             model = model.to(ranks.device).train()
-            run = _Stage(name, config, taught, spelling, ranks, workers, progress)
-            run.train(model, state, folder)
-        state = None
+            stage.train(model, folder)
     spelling.tokenizer.model.dropout = None
     if ranks.is_first:
         Reader(served(model.cpu()), spelling, (1.0, 0.0)).save(folder / "language")
@@ -208,16 +202,6 @@ def blank_reader(token_width: int) -> Reader:
     size, widths = LanguageSize(16, 1, 1, 16, speaking=0), (token_width, BELIEF_NUMBERS)
     model = fresh(size, spelling.size, widths, _generator(0, "blank"))
     return Reader(served(model), spelling, (1.0, 0.0))
-
-
-def _is_taught(stage: str, config: LanguageTraining, taught: Taught) -> bool:
-    needed = {
-        "english": taught.passages,
-        "reading": True,
-        "slots": taught.sentences,
-        "sentences": taught.sentences and config.size.speaking,
-    }
-    return bool(needed[stage])
 
 
 @dataclass(frozen=True)
@@ -234,35 +218,33 @@ class _Stage:
 
     @property
     def steps(self) -> int:
-        return self.config.steps_of(self.name)
+        return getattr(self.config, f"{self.name}_steps")
 
-    def train(self, model: LanguageModel, state: dict[str, Any] | None, folder: Path) -> None:
-        """Take the steps that are left, those before kept in a checkpoint's `state`."""
-        config, ranks, step = self.config, self.ranks, 0
-        if self.name == "slots" and self.steps and state is None:
+    def train(self, model: LanguageModel, folder: Path) -> None:
+        """Take the steps that are left of those behind the stage's checkpoint."""
+        ranks, draws = self.ranks, None
+        if self.name == "slots":
             model.projector.standardise_by(torch.from_numpy(self.taught.sentences.numbers).float())
         optimiser = self._optimiser(model)
-        if state is not None:
-            model.load_state_dict(state["model"])
-            optimiser.load_state_dict(state["optimiser"])
-            step = int(state["step"])
-        draws = self._batches(step)
-        saved_at = time.monotonic()
-        try:
-            while step < self.steps:
-                for group in optimiser.param_groups:
-                    group["lr"] = self.rate_at(step)
-                batches = ranks.from_first(lambda: next(draws))
-                with uninterrupted_step():
-                    loss = self._step(model, batches, optimiser, step)
-                    step += 1
-                self.progress(f"language, {self.name}, loss {loss:.3f}", step, self.steps)
-                if ranks.is_first and time.monotonic() - saved_at > CHECKPOINT_EVERY_S:
-                    _save(folder, config, model, optimiser, self.name, step)
-                    saved_at = time.monotonic()
-        finally:
-            if ranks.is_first:
-                _save(folder, config, model, optimiser, self.name, step)
+
+        def step(number: int) -> str:
+            nonlocal draws
+            draws = draws or self._batches(number)
+            for group in optimiser.param_groups:
+                group["lr"] = self.rate_at(number)
+            batches = ranks.from_first(lambda: next(draws))
+            loss = self._step(model, batches, optimiser, number)
+            return f"language, {self.name}, loss {loss:.3f}"
+
+        fit(
+            step,
+            self.steps,
+            {"model": model, "optimiser": optimiser},
+            path=folder / f"language_{self.name}.pt",
+            about=asdict(self.config),
+            ranks=ranks,
+            progress=self.progress,
+        )
 
     def _optimiser(self, model: LanguageModel) -> Muon:
         """Return that of what this stage teaches; all else keeps still."""
@@ -278,16 +260,23 @@ class _Stage:
             learned = model.speaking_parameters()
         for name, weight in model.named_parameters():
             weight.requires_grad_(name in learned)
-        return Muon(orthogonal_groups(parameter_groups(learned)), betas=(0.9, 0.98))
+        matrices, others = [], []
+        for name, weight in learned.items():
+            is_matrix = weight.ndim == 2 and "embed_tokens" not in name
+            (matrices if is_matrix else others).append(weight)
+        groups = [
+            {"params": matrices, "weight_decay": WEIGHT_DECAY, "is_orthogonal": True},
+            {"params": others, "weight_decay": 0.0},
+        ]
+        return Muon(groups, betas=(0.9, 0.98))
 
     def rate_at(self, step: int) -> float:
         """Return the learning rate of a step."""
-        config, peak = self.config, self.config.learning_rate
-        warmup = min(config.warmup, self.steps // 4)
+        warmup = min(self.config.warmup, self.steps // 4)
         if step < warmup:
-            return peak * (step + 1) / warmup
+            return LEARNING_RATE * (step + 1) / warmup
         share = (step - warmup) / max(self.steps - warmup, 1)
-        return peak * 0.5 * (1 + math.cos(math.pi * share))
+        return LEARNING_RATE * 0.5 * (1 + math.cos(math.pi * share))
 
     def _batches(self, step: int) -> Iterator[list[Batch]]:
         """Yield each step's batches; nothing is drawn before the first is asked for."""
@@ -298,10 +287,10 @@ class _Stage:
             self.spelling,
             self.taught.corpus,
             0 if is_english else config.batch,
-            config.corpus_share,
-            config.composed_share,
+            CORPUS_SHARE,
+            COMPOSED_SHARE,
             self.taught.passages,
-            config.english if is_english else config.english // 4,
+            config.batch if is_english else config.batch // 4,
             config.size.max_tokens,
             seed_for(config.seed, "language", self.name),
         )
@@ -309,9 +298,9 @@ class _Stage:
 
     def _about_clips(self, step: int) -> Iterator[list[Batch]]:
         """Yield each step's batch of clips alone, or of answers about them."""
-        rows, size = Clips(self.taught.sentences, self.spelling), 4 * self.config.answers
+        rows, size = Clips(self.taught.sentences, self.spelling), 2 * self.config.batch
         if self.name == "sentences":
-            rows, size = Answers(self.taught.sentences, self.spelling), self.config.answers
+            rows, size = Answers(self.taught.sentences, self.spelling), self.config.batch // 2
         first, skipped = divmod(step, POOL)
         for pool in count(first):
             rng = generator_for(self.config.seed, "language", self.name, pool)
@@ -323,14 +312,15 @@ class _Stage:
     ) -> float:
         """Learn from this rank's share of the rows; return the loss of all."""
         config, ranks = self.config, self.ranks
-        optimiser.zero_grad(set_to_none=True)
+        # Gradients of an earlier stage would count in the norm, and not after an interruption.
+        model.zero_grad(set_to_none=True)
         total = 0.0
         for place, batch in enumerate(batches):
             draws = _generator(config.seed, self.name, "hidden", step, place)
-            is_hidden, wanted = hidden(batch, config.hidden, draws)
+            is_hidden, wanted = hidden(batch, HIDDEN, draws)
             prefix = self._prefix(model, batch, draws)
             asked = max(int((wanted != UNASKED).sum()), 1) / ranks.count
-            asked /= self._weights()[place]
+            asked /= BESIDE if place else 1
             mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
             if len(mine.ids):
                 is_spoken = self.name == "sentences"
@@ -343,11 +333,6 @@ class _Stage:
         torch.nn.utils.clip_grad_norm_(model.parameters(), 1.0)
         optimiser.step()
         return total
-
-    def _weights(self) -> tuple[float, ...]:
-        """Return the weights of a step's batches, in their order."""
-        is_beside = self.name == "reading" and self.taught.passages
-        return (1.0, *[BESIDE] * bool(is_beside))
 
     def _prefix(self, model: LanguageModel, batch: Batch, draws: torch.Generator) -> Tensor | None:
         """Return the standardised numbers of this rank's clips, the fused token's with noise."""
@@ -439,34 +424,8 @@ def _begun(config: LanguageTraining, taught: Taught, spelling: Spelling) -> Lang
     return model
 
 
-def parameter_groups(named: Mapping[str, torch.nn.Parameter]) -> list[dict]:
-    """Return weights for their optimiser: the matrices decay, the others do not."""
-    decayed = [p for n, p in named.items() if p.ndim == 2 and "embed_tokens" not in n]
-    plain = [p for n, p in named.items() if p.ndim < 2 or "embed_tokens" in n]
-    return [
-        {"params": decayed, "weight_decay": WEIGHT_DECAY},
-        {"params": plain, "weight_decay": 0.0},
-    ]
-
-
 def _generator(seed: int, *names: str | int) -> torch.Generator:
     return torch.Generator().manual_seed(seed_for(seed, "language", *names))
-
-
-def _save(folder: Path, config, model, optimiser, stage: str, step: int) -> None:
-    state = {"config": asdict(config), "stage": stage, "step": step, "model": model.state_dict()}
-    save_checkpoint(folder / "language.pt", state | {"optimiser": optimiser.state_dict()})
-
-
-def _restored(folder: Path, config) -> dict[str, Any] | None:
-    """Return the checkpoint in a folder, None where there is none."""
-    state = load_checkpoint(folder / "language.pt")
-    if state is not None and state["config"] != asdict(config):
-        raise UsageError(
-            f"{folder / 'language.pt'}: was trained with other settings; delete it to start over, "
-            f"or train into another folder."
-        )
-    return state
 
 
 def _plain_parts(text: str) -> list[str]:

@@ -29,12 +29,6 @@ def orthogonal(matrices: Tensor) -> Tensor:
     return x.mT if is_tall else x
 
 
-def orthogonal_groups(groups: list[dict]) -> list[dict]:
-    """Return `language.parameter_groups`, the matrices marked for Muon's steps."""
-    matrices, others = groups
-    return [{**matrices, "is_orthogonal": True}, others]
-
-
 class Muon(torch.optim.AdamW):
     """AdamW but for the groups marked `is_orthogonal`, whose matrices take Muon's steps.
 

@@ -39,7 +39,6 @@ class ClipSet:
     contact_share: NDArray[np.floating]  # mean contact mask, shape (n,)
     measured: Measured  # what is measured of each clip's motion
     labels: Sequence[MotionLabel]
-    objects: Sequence[str]  # name of the touched object of each clip
 
     def readable(self) -> list[int]:
         """Return the rows whose motion leaves a trace in the image."""
@@ -48,17 +47,6 @@ class ClipSet:
     def readings(self, bundle: Bundle) -> Tensor:
         """Return what the language model of `bundle` reads of each clip, (n, width)."""
         return reading_of(self.fused_tokens, bundle.motion(self.measured))
-
-    def only(self, rows: Sequence[int]) -> ClipSet:
-        """Return the clips of `rows`, in that order."""
-        return ClipSet(
-            fused_tokens=self.fused_tokens[rows],
-            global_tokens=self.global_tokens[rows],
-            contact_share=self.contact_share[rows],
-            measured=self.measured.only(rows),
-            labels=[self.labels[row] for row in rows],
-            objects=[self.objects[row] for row in rows],
-        )
 
 
 def felt_likelihoods(

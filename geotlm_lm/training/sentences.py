@@ -40,9 +40,8 @@ from geotlm_lm.query.quantities import copied, find
 from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.training.config import VALIDATION_EVERY, claim_folder
-from geotlm_lm.training.examples import ExampleSet
+from geotlm_lm.training.examples import ExampleSet, RecordedForm
 from geotlm_lm.training.grammar import Pair, corpus, grammar
-from geotlm_lm.training.recording_forms import RecordedForm
 from geotlm_lm.training.true_answers import TrueAnswers, tells
 from geotlm_lm.training.truth import UNASKED, component_truth
 

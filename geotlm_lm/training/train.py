@@ -34,6 +34,7 @@ from geotlm_lm.training.calibration import (
     fit_temperature,
 )
 from geotlm_lm.training.config import (
+    HeadsPreset,
     TrainingPreset,
     about_examples,
     claim_folder,
@@ -58,7 +59,7 @@ from geotlm_lm.training.motion import (
     widen_spans,
 )
 from geotlm_lm.training.pretraining import DenseHeads, pretrain
-from geotlm_lm.training.ranks import Ranks, joined
+from geotlm_lm.training.ranks import ALONE, Ranks, joined
 from geotlm_lm.training.scoring import (
     ClipSet,
     felt_likelihoods,
@@ -119,7 +120,7 @@ def train(
         run = _Run(settings, seed, out, workers, ranks, progress)
         with clock(out) if ranks.is_first else nullcontext(lambda: 0.0) as seconds:
             seen = run.perception() if given is None else run.taken(given)
-            run.language(seen, start, stage)
+            learn_language(seen, settings, seed, out, start, stage, workers, ranks, progress)
             if ranks.is_first:
                 about = _provenance(settings, seed, workers, ranks, start, stage)
                 reader = calibrated_reader(Reader.load(out / "language"), labelled(TUNE))
@@ -162,8 +163,21 @@ class _Run:
         )
         if not self.ranks.is_first:
             return None
-        given = self.settings, self.seed, self.out, self.ranks.device, self.progress
-        return _see(*pretrained, learned, self.examples("validation"), *given)
+        (backbone, read_outs), validation = pretrained, self.examples("validation")
+        fresh = self.settings.fresh_clips
+        return learn_perception(
+            backbone,
+            learned,
+            validation,
+            token_set(backbone, learned, fresh, self.progress),
+            token_set(backbone, validation, len(validation), self.progress),
+            self.settings.geometry_epochs,
+            read_outs=read_outs,
+            seed=self.seed,
+            out=self.out,
+            device=self.ranks.device,
+            progress=self.progress,
+        )
 
     def taken(self, bundle: Bundle) -> Seen | None:
         """Return what sees in a bundle."""
@@ -173,50 +187,54 @@ class _Run:
         validation = perceive(model, self.examples("validation"), self.progress)
         return Seen(model, bundle.motion, accuracies, validation)
 
-    def language(self, seen: Seen | None, start: Path | None, stage: str) -> None:
-        """Train the language model into `out`/language, from `stage` on."""
-        settings, out = self.settings, self.out
-        width = self.ranks.from_first(lambda: seen.model.backbone.width)
 
-        def written() -> None:
-            save_bundle(out / "draft", seen.bundle(blank_reader(width), {"command": "train"}))
-            write_sentences(
-                out / "sentences",
-                out / "draft",
-                settings.answer_clips,
-                PER_CLIP,
-                self.seed,
-                self.workers,
-                self.progress,
-            )
+def learn_language(
+    seen: Seen | None,
+    settings: HeadsPreset,
+    seed: int,
+    out: Path,
+    start: Path | None,
+    stage: str,
+    workers: int = 1,
+    ranks: Ranks = ALONE,
+    progress: Progress = silent,
+) -> Path:
+    """Train a language model from `stage` on, to answer from what is seen; return its folder.
 
-        self.ranks.from_first(written)
-        config = LanguageTraining(
-            english_steps=settings.english_steps,
-            reading_steps=settings.reading_steps,
-            slots_steps=settings.slots_steps,
-            sentences_steps=settings.sentences_steps,
-            batch=settings.language_batch,
-            english=settings.language_batch,
-            answers=settings.language_batch // 2,
-            passes=settings.question_passes,
-            seed=self.seed,
-        )
-        taught = Taught(
-            corpus("train"),
-            sentences=read_sentences(out / "sentences"),
-            widths=(width, BELIEF_NUMBERS),
-        )
-        if stage == "language":
-            texts = self.ranks.from_first(lambda: english.fetch(out / "english", self.progress))
-            taught = replace(taught, passages=english.passages(texts))
-        else:
-            kept = ("english_steps", "reading_steps", "slots_steps")[: 1 + STARTS.index(stage)]
-            config = replace(config, **dict.fromkeys(kept, 0))
-            taught = replace(taught, start=start / LANGUAGE_DIR)
-        # On a CPU processes that draw would only wait for each other.
-        drawing = 0 if self.ranks.kind == "cpu" else self.workers
-        train_language(config, taught, out, self.progress, self.ranks, drawing)
+    What comes before `stage` is that of the bundle in `start`. Only the first rank has `seen`.
+    """
+    width = ranks.from_first(lambda: seen.model.backbone.width)
+
+    def written() -> None:
+        draft = seen.bundle(blank_reader(width), {"command": "train"})
+        if isinstance(seen.model.backbone, FrozenBackbone):  # others cannot be stored
+            save_bundle(out / "draft", draft)
+            draft = out / "draft"
+        folder, clips = out / "sentences", settings.answer_clips
+        write_sentences(folder, draft, clips, PER_CLIP, seed, workers, progress)
+
+    ranks.from_first(written)
+    config = LanguageTraining(
+        english_steps=settings.english_steps,
+        reading_steps=settings.reading_steps,
+        slots_steps=settings.slots_steps,
+        sentences_steps=settings.sentences_steps,
+        batch=settings.language_batch,
+        passes=settings.question_passes,
+        seed=seed,
+    )
+    sentences, widths = read_sentences(out / "sentences"), (width, BELIEF_NUMBERS)
+    taught = Taught(corpus("train"), sentences=sentences, widths=widths)
+    if stage == STARTS[0]:
+        texts = ranks.from_first(lambda: english.fetch(out / "english", progress))
+        taught = replace(taught, passages=english.passages(texts))
+    else:
+        kept = ("english_steps", "reading_steps", "slots_steps")[: 1 + STARTS.index(stage)]
+        config = replace(config, **dict.fromkeys(kept, 0))
+        taught = replace(taught, start=start / LANGUAGE_DIR)
+    # On a CPU processes that draw would only wait for each other.
+    drawing = 0 if ranks.kind == "cpu" else workers
+    return train_language(config, taught, out, progress, ranks, drawing)
 
 
 def _score(
@@ -298,49 +316,26 @@ class Seen:
         return bundle
 
 
-def _see(
-    backbone: FrozenBackbone,
-    read_outs: DenseHeads,
-    learned: Examples,
-    validation: Examples,
-    settings: TrainingPreset,
-    seed: int,
-    out: Path,
-    device: str,
-    progress: Progress,
-) -> Seen:
-    """Train DGR both ways, probes and motion, and perceive all clips with them."""
-    model, accuracies = train_perception(
-        backbone,
-        token_set(backbone, learned, settings.fresh_clips, progress),
-        token_set(backbone, validation, len(validation), progress),
-        settings.geometry_epochs,
-        read_outs=read_outs,
-        seed=seed,
-        out=out,
-        device=device,
-        progress=progress,
-    )
-    clips = perceive(model, learned, progress), perceive(model, validation, progress)
-    return train_beliefs(model, accuracies, *clips, seed=seed, device=device, progress=progress)
-
-
-def train_perception(
+def learn_perception(
     backbone: Backbone,
+    learned: Any,
+    validation: Any,
     train_set: TokenSet,
     validation_set: TokenSet,
     epochs: int,
     *,
-    read_outs: DenseHeads | None,
+    read_outs: DenseHeads | None = None,
     seed: int,
     out: Path,
     device: str = "cpu",
     progress: Progress = silent,
-) -> tuple[GeoTLM, dict[str, float]]:
-    """Train DGR and keep the way of training it that answers better on validation objects.
+) -> Seen:
+    """Train DGR, probes and motion on clips, `Examples` or `heads.EncodedClips`, and their tokens.
 
-    The drawn shear field of `paper` follows no true displacement, so that it has to be better.
-    Without read-outs that a backbone was pretrained through, DGR is trained the paper's way alone.
+    Kept is the way of training DGR that answers better on validation objects: the drawn shear field
+    of `paper` follows no true displacement, so that it has to be better. Without read-outs that a
+    backbone was pretrained through, DGR is trained the paper's way alone. The validation clips also
+    decide how wide the spans of beliefs are.
     """
     trained = {
         mode: train_geometry(
@@ -356,11 +351,9 @@ def train_perception(
         )
         for mode in (("paper",) if read_outs is None else ("paper", "grounded"))
     }
-    accuracies = {mode: model.validation_accuracy for mode, model in trained.items()}
-    chosen = trained["paper" if read_outs is None else better_mode(accuracies)]
-    global_probe = train_global_probe(
-        train_set, validation_set, chosen.global_standardiser, epochs=epochs, seed=seed
-    )
+    accuracies = {mode: accuracy for mode, (_, accuracy) in trained.items()}
+    chosen, _ = trained["paper" if read_outs is None else better_mode(accuracies)]
+    global_probe = train_global_probe(train_set, validation_set, epochs=epochs, seed=seed)
     model = GeoTLM(
         backbone=backbone,
         global_standardiser=chosen.global_standardiser,
@@ -369,25 +362,12 @@ def train_perception(
         probe=chosen.probe.eval().requires_grad_(False),
         global_probe=global_probe.eval().requires_grad_(False),
     )
-    return model, accuracies
-
-
-def train_beliefs(
-    model: GeoTLM,
-    accuracies: Mapping[str, float],
-    learned: ClipSet,
-    validation: ClipSet,
-    *,
-    seed: int,
-    device: str = "cpu",
-    progress: Progress = silent,
-) -> Seen:
-    """Train the motion network on perceived clips; others decide how wide its spans are."""
+    clips, kept = (perceive(model, part, progress) for part in (learned, validation))
     shared = {"seed": seed, "device": device, "progress": progress}
-    motion = train_motion(learned.measured, learned.labels, **shared)
-    widen_spans(motion, validation.measured, validation.labels)
-    set_significance(motion, validation.measured, validation.labels)
-    return Seen(model, motion, accuracies, validation)
+    motion = train_motion(clips.measured, clips.labels, **shared)
+    widen_spans(motion, kept.measured, kept.labels)
+    set_significance(motion, kept.measured, kept.labels)
+    return Seen(model, motion, accuracies, kept)
 
 
 def token_set(
@@ -410,17 +390,12 @@ def token_set(
     )
 
 
-def perceive(
-    model: GeoTLM,
-    clips: Any,
-    progress: Progress = silent,
-    tokens_of: Callable[[slice], Tokens] | None = None,
-) -> ClipSet:
+def perceive(model: GeoTLM, clips: Any, progress: Progress = silent) -> ClipSet:
     """Return tokens, contact share and what is measured of every clip.
 
-    Clips are `Examples` or `heads.EncodedClips`. Without `tokens_of`, which returns the tokens of
-    some rows, their inputs are encoded.
+    Clips are `Examples`, whose inputs are encoded, or `heads.EncodedClips`, which have tokens.
     """
+    tokens_of = getattr(clips, "tokens_of", None)
     fused, plain, contact, measurements = [], [], [], []
     for start in range(0, len(clips), ENCODE_BATCH):
         rows = slice(start, min(start + ENCODE_BATCH, len(clips)))
@@ -439,5 +414,4 @@ def perceive(
         contact_share=torch.cat(contact).numpy(),
         measured=Measured.joined(measurements),
         labels=clips.labels,
-        objects=clips.objects,
     )

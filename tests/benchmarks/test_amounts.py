@@ -9,12 +9,13 @@ import pytest
 
 from geotlm_lm.benchmarks.amounts import (
     AMOUNTS,
-    Moved,
+    amount_in,
     amount_row,
     amount_rows,
     belief_prediction,
-    fitted_amount,
+    fitted_twist,
     grades,
+    is_near,
     known_amount,
     mixture_rows,
     words_prediction,
@@ -22,6 +23,7 @@ from geotlm_lm.benchmarks.amounts import (
 from geotlm_lm.benchmarks.candidates import CANDIDATES
 from geotlm_lm.benchmarks.cases import half_of
 from geotlm_lm.benchmarks.harness import Row, Run
+from geotlm_lm.benchmarks.judging import Case
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.benchmarks.variants import BELIEF, FITS, RIVALS
 from geotlm_lm.core.clip import Clip
@@ -49,26 +51,26 @@ def window(motion=Motion.CLOCKWISE, **values):
     ],
 )
 def test_a_turn_is_known_where_its_measurements_agree(values, amount):
-    assert known_amount(window(**values), "deg") == amount
+    assert known_amount(window(**values), "rotation") == amount
 
 
-def moved(unit="px", amount=20.0, size=(224, 224), motion=Motion.LEFT):
+def moved(amount=20.0, size=(224, 224), motion=Motion.LEFT):
     frames = np.zeros((4, *size, 3), np.uint8)
-    return Moved(Clip(frames, background=frames[0]), unit, amount, motion, "caps")
+    return Case(Clip(frames, background=frames[0]), motion, "caps", amount=amount)
 
 
 @pytest.mark.parametrize(
-    ("one", "value", "is_right"),
+    ("case", "value", "is_right"),
     [
         (moved(), 24.0, True),
         (moved(amount=5.0), 7.1, False),
         (moved(amount=5.0, size=(240, 320)), 7.8, True),
         (moved(amount=5.0, size=(240, 320), motion=Motion.UP), 7.2, False),
-        (moved("deg", 5.0, (240, 320)), 7.1, False),
+        (moved(5.0, (240, 320), Motion.CLOCKWISE), 7.1, False),
     ],
 )
-def test_a_pixel_of_the_tolerance_is_one_of_a_224_pixel_image(one, value, is_right):
-    assert one.is_right(value) is is_right
+def test_a_pixel_of_the_tolerance_is_one_of_a_224_pixel_image(case, value, is_right):
+    assert is_near(case, value) is is_right
 
 
 def test_a_row_tells_nearness_span_and_probability():
@@ -89,7 +91,7 @@ def test_a_rival_tells_a_slide_in_the_pixels_of_the_picture_it_was_given(way, ri
     frames = [cv2.resize(frame, square, interpolation=cv2.INTER_AREA) for frame in taken.frames]
     squashed = Clip(np.stack(frames), background=cv2.resize(taken.background, square))
     for clip, height, width in ((taken, rows, columns), (squashed, *square)):
-        found = fitted_amount(rival, Moved(clip, "px", 1.0, Motion.LEFT, "caps"))
+        found = amount_in(Case(clip, Motion.LEFT, "caps"), fitted_twist(rival, clip))
         expected = np.hypot(way[0] * width / columns, way[1] * height / rows)
         assert found == pytest.approx(expected, rel=0.05)
 

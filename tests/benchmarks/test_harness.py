@@ -10,7 +10,7 @@ import torch
 
 from geotlm_lm.benchmarks import benches
 from geotlm_lm.benchmarks.benches import ACCURACY, run_bench
-from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Run, Section, every, rows_of
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Run, Section, rows_of, whole
 from geotlm_lm.benchmarks.rendering import (
     StaleResults,
     check_results,
@@ -46,9 +46,9 @@ def toy():
             yield Row(f"{name} clips", "words", 4, 0.25, interval=(0.1, 0.5), ms_p50=1.5)
             yield Row(f"{name} clips", "flow", 4, run.size(0.5, 1.0), detail={"seed": run.seed})
 
-        view = (Pivot(lambda row: f"{row.error:.2f}"), every)
+        view = Pivot("error:.2f")
         about = f"About {name}."
-        return Section(name, name.title(), about, rows, {"": view}, headline=headline)
+        return Section(name, name.title(), about, whole(rows), {"": view}, headline=headline)
 
     return Bench("toy", "Toy", "About all.", (section("first"), section("second"))), ran
 
@@ -129,7 +129,7 @@ def test_two_processes_measure_what_one_does():
 
 def test_a_pivot_has_a_line_per_case_and_a_column_per_variant():
     rows = [Row("a", "words", 2, 0.5), Row("a", "flow", 3, 0.0), Row("b", "flow", 1, 1.0)]
-    lines = table(Pivot(lambda row: f"{row.error:g}"), rows).splitlines()
+    lines = table(Pivot("error:g"), rows).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     assert cells[0] == ["clips", "n", "words", "flow"]
     assert cells[2:] == [["a", "3", "0.5", "0"], ["b", "1", "-", "1"]]

@@ -5,8 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from geotlm_lm.benchmarks.carrying import carried
-from geotlm_lm.benchmarks.imprints import CUTS, moved_imprints, semi_real_slides
+from geotlm_lm.benchmarks.imprints import CUTS, carried, moved_imprints, semi_real_slides
 from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.data.touch_table import TouchRow
@@ -45,26 +44,26 @@ def middles(clip):
 def test_the_four_ways_come_in_turn_and_each_is_played_backwards_too(tmp_path):
     rows = [recording(tmp_path, f"{k}.npy", blob(80, 60)) for k in range(4)]
     made = list(semi_real_slides(rows, seed=0))
-    truths = [case.motion for case, _ in made]
+    truths = [case.motion for case in made]
     assert truths[::2] == list(SLIDES)
     assert truths[1::2] == [opposite(motion) for motion in SLIDES]
-    for case, travel_px in made:
+    for case in made:
         places = middles(case.clip)
         travel, along = places[-1] - places[0], np.array(TOWARDS[case.motion])
-        assert np.hypot(*travel) == pytest.approx(travel_px, rel=0.1)
+        assert np.hypot(*travel) == pytest.approx(case.amount, rel=0.1)
         assert 0.015 * COLUMNS < travel @ along < 0.13 * COLUMNS
         assert abs(travel @ along[::-1]) < 0.5 * (travel @ along)
 
 
 def test_imprints_cut_off_or_faint_are_left_out_and_counted(tmp_path):
     rows = [
-        recording(tmp_path, "whole.npy", blob(80, 60)),
+        recording(tmp_path, "whole.npy", blob(80, 60), "whole.npy"),
         recording(tmp_path, "cut.npy", blob(4, 60)),
         recording(tmp_path, "faint.npy", blob(80, 60, strength=0.5)),
     ]
     left_out = Counter()
     slides = semi_real_slides(rows, 0, left_out)
-    assert {case.object_id for case, _ in slides} == {"whole.npy"}
+    assert {case.family for case in slides} == {"whole.npy"}
     assert left_out == {"cut_off_left_out": 2}
 
 

@@ -7,6 +7,7 @@ import pytest
 from geotlm_lm.benchmarks.harness import Run
 from geotlm_lm.benchmarks.loop import (
     LOOP,
+    WATCHING,
     Ended,
     loosen_by_words,
     pull_by_words,
@@ -14,7 +15,6 @@ from geotlm_lm.benchmarks.loop import (
     turn_by,
     turn_by_words,
 )
-from geotlm_lm.benchmarks.watching import WATCHING
 from geotlm_lm.simulation.gripper import Gripper
 
 

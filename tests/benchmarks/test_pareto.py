@@ -36,7 +36,7 @@ from geotlm_lm.simulation.contact import PRESETS
 
 
 def known(motion):
-    return Case(Clip(np.zeros((4, 16, 16, 3), np.uint8)), motion, "ball", "ball", {})
+    return Case(Clip(np.zeros((4, 16, 16, 3), np.uint8)), motion, "ball")
 
 
 def method(log, name):

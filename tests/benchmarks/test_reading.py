@@ -3,6 +3,7 @@ the program and by what it comes to.
 """
 
 from dataclasses import replace
+from itertools import cycle
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,14 +12,23 @@ import pytest
 from geotlm_lm.answering import Answerer
 from geotlm_lm.benchmarks import reading
 from geotlm_lm.benchmarks.harness import Row, Run
-from geotlm_lm.benchmarks.meanings import come_to_the_same, made_track
-from geotlm_lm.benchmarks.reading import PROGRAM, READING, VALUE, Graded, graded_rows
+from geotlm_lm.benchmarks.reading import (
+    OWN_ANSWERS,
+    PROGRAM,
+    READING,
+    VALUE,
+    Graded,
+    come_to_the_same,
+    graded_rows,
+    made_track,
+)
 from geotlm_lm.benchmarks.rendering import tables
 from geotlm_lm.query.lines import read
+from geotlm_lm.query.program import asks_of_two
 from geotlm_lm.training.calibration import calibrated_reader
 from geotlm_lm.training.grammar import Pair
 from geotlm_lm.training.labelled import WRITERS, Labelled, written_by
-from tests.answering.scripted import ScriptedReader
+from tests.answering.scripted import ScriptedReader, feeling
 from tests.tiny_bundle import tiny_bundle, tiny_reader
 
 
@@ -111,3 +121,21 @@ def test_a_reader_is_calibrated_on_programs():
     calibrated = calibrated_reader(tiny_reader(), questions)
     assert np.isfinite(calibrated.calibration).all()
     assert calibrated.read("which way").probability < 0.5  # random weights are never right
+
+
+def test_own_answers_are_counted_by_kind(bundle, monkeypatch):
+    answerer = feeling(bundle, "clockwise")
+    answerer.bundle.speaker.says = lambda *given: given[-1].startswith("Yes")
+    asked = ["way turn", "cw", "again"]
+    monkeypatch.setattr(reading, "_questions", lambda seed: cycle(asked))
+    rows = OWN_ANSWERS.run(Run(is_quick=True, answerer_given=answerer))
+    shares = {row.case: (row.count, 1 - row.error) for row in rows}
+    assert set(shares) >= {"all", "bool", "way"}
+    assert shares["way"][1] == 0
+    assert shares["bool"][1] == 1
+
+
+def test_questions_ask_of_one_clip_and_lean_on_none():
+    texts = reading._questions(0)
+    assert len({next(texts) for _ in range(20)}) > 10
+    assert not asks_of_two(read("amount turn").answers[0])

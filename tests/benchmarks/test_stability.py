@@ -85,7 +85,7 @@ def test_a_row_counts_outcomes_and_quotes_the_gravest():
 
 def test_damage_is_asked_about_level_by_level(monkeypatch):
     kinds = {name: damage_kinds()[name] for name in ("as recorded", "frames dropped")}
-    case = Case(touched(), Motion.RIGHT, "block", "block", {})
+    case = Case(touched(), Motion.RIGHT, "block")
     monkeypatch.setattr(stability, "damage_kinds", lambda: kinds)
     monkeypatch.setattr(stability, "first_cases", lambda *size: [case, case])
     answerer = Saying(Motion.RIGHT)

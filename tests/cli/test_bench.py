@@ -5,7 +5,7 @@ import json
 import pytest
 
 from geotlm_lm.benchmarks import benches
-from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, whole
 from geotlm_lm.core.record import RunRecord
 from tests.cli.running import run
 
@@ -20,9 +20,14 @@ def given(monkeypatch):
         run.progress("clips", 2, 2)
         yield Row("clips", "words", 2, 0.5)
 
-    view = (Pivot(lambda row: f"{row.error:g}"), every)
+    view = Pivot("error:g")
     section = Section(
-        "only", "Only", "About it.", rows, {"": view}, headline=lambda rows: f"{len(rows)} rows"
+        "only",
+        "Only",
+        "About it.",
+        whole(rows),
+        {"": view},
+        headline=lambda rows: f"{len(rows)} rows",
     )
     small = {
         name: Bench(name, name.title(), "About all.", (section,))

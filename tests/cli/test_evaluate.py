@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, every, rows_of
+from geotlm_lm.benchmarks.harness import Bench, Pivot, Row, Section, rows_of, whole
 from geotlm_lm.cli.options import command_line
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.training import config
@@ -27,8 +27,8 @@ def judged(monkeypatch):
         run.progress("simulated rotation", 5, 5)
         yield Row("simulated rotation", "words", 5, 0.2, interval=(0.1, 0.3))
 
-    view = (Pivot(lambda row: f"{row.error:g}"), every)
-    bench = Bench("evaluate", "Mine", "", (Section("clips", "Clips", "", rows, {"": view}),))
+    view = Pivot("error:g")
+    bench = Bench("evaluate", "Mine", "", (Section("clips", "Clips", "", whole(rows), {"": view}),))
     bundle = SimpleNamespace(digest=lambda: "0123456789ab")
     load = classmethod(lambda cls, folder: SimpleNamespace(bundle=bundle))
     monkeypatch.setattr(answering.Answerer, "load", load)

@@ -23,7 +23,7 @@ from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.simulation.touch import simulate_motion
-from geotlm_lm.training.recording_forms import truth_in_view
+from geotlm_lm.training.examples import truth_in_view
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "app" / "examples"

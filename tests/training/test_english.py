@@ -8,8 +8,14 @@ import pytest
 
 from geotlm_lm.core.errors import MissingDependency, UsageError
 from geotlm_lm.training import english
-from geotlm_lm.training.english import fetch, passages
-from geotlm_lm.training.prose import LONGEST, is_english, passages_of, reader_of
+from geotlm_lm.training.english import (
+    LONGEST,
+    fetch,
+    is_english,
+    passages,
+    passages_of,
+    reader_of,
+)
 
 GLOSS = (
     "00055142 29 v 02 slip 0 slip_away 0 001 @ 01617210 v 0000 01 + 02 00 | "

@@ -14,19 +14,17 @@ from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.simulation.randomise import random_scenes
 from geotlm_lm.simulation.simulate import simulate
 from geotlm_lm.simulation.truth import READABLE_GREY
-from geotlm_lm.training import examples, recording_forms
+from geotlm_lm.training import examples
 from geotlm_lm.training.examples import (
+    FAINT_CONTRAST,
     ExampleSet,
     StoredRows,
-    read_examples,
-    simulate_examples,
-)
-from geotlm_lm.training.recording_forms import (
-    FAINT_CONTRAST,
     _frame_order,
     as_recorded,
     damage_clip,
     mirrored,
+    read_examples,
+    simulate_examples,
 )
 
 
@@ -62,7 +60,7 @@ def test_a_set_on_kinds_of_gel_left_out_is_never_read_as_one_to_train_on(tmp_pat
 
 
 def test_of_a_printed_gel_the_idle_frame_is_rather_guessed(monkeypatch):
-    monkeypatch.setattr(recording_forms, "estimate_background", lambda frames: None)
+    monkeypatch.setattr(examples, "estimate_background", lambda frames: None)
     guessed = {}
     for name in ("mini", "mini, dots"):
         scenes = random_scenes(8, 1, objects=("key",), gels={name: 1.0})
@@ -116,9 +114,9 @@ def test_a_mirrored_clip_has_mirrored_truth_and_the_same_image_flipped():
 @pytest.mark.usefixtures("_small_chunks")
 def test_some_clips_are_mirrored_with_their_labels(tmp_path, monkeypatch):
     """All of them here: every displacement must agree with its label's sign."""
-    monkeypatch.setattr(recording_forms, "MIRRORED_SHARE", 1.0)
+    monkeypatch.setattr(examples, "MIRRORED_SHARE", 1.0)
     flipped = made_in(tmp_path / "flipped")
-    monkeypatch.setattr(recording_forms, "MIRRORED_SHARE", 0.0)
+    monkeypatch.setattr(examples, "MIRRORED_SHARE", 0.0)
     plain = made_in(tmp_path / "plain")
     assert [MIRRORED.of_label(label) for label in flipped.labels] == list(plain.labels)
     assert not np.array_equal(flipped.inputs, plain.inputs)

@@ -10,17 +10,16 @@ from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.geometry import FLOW_SCALE_PX
 from geotlm_lm.core.labels import DIRECTED, ROTATIONS
 from geotlm_lm.dgr.ablations import AblatedDGR, DGRParts
-from geotlm_lm.training import folds
+from geotlm_lm.training import folds, geometry
 from geotlm_lm.training.folds import (
     Fold,
     Recipe,
     initialise_from_truth,
     leave_one_object_out,
     object_folds,
-    standardise_fold,
     train_on_fold,
 )
-from geotlm_lm.training.geometry import ALL_MOTIONS
+from geotlm_lm.training.geometry import ALL_MOTIONS, TokenReader
 from tests.training.moving_tokens import token_set
 
 FOLD = Fold(np.arange(0, 120), np.arange(120, 160), np.arange(160, 240), ("x",))
@@ -33,14 +32,14 @@ def right(outcome, truth=TRUTH):
 
 
 def trained(recipe, *, data=DATA, labels=DIRECTED, epochs=10, seed=42):
-    return train_on_fold(standardise_fold(data, FOLD), labels, recipe, epochs=epochs, seed=seed)
+    return train_on_fold(data, FOLD, labels, recipe, epochs=epochs, seed=seed)
 
 
 @pytest.fixture
 def fast(monkeypatch):
     # The tokens are noise-free: thirty times the paper's rate gets there in 40 steps.
-    monkeypatch.setattr(folds, "DGR_RATE", 1e-2)
-    monkeypatch.setattr(folds, "HEAD_RATE", 1e-2)
+    monkeypatch.setattr(geometry, "DGR_RATE", 1e-2)
+    monkeypatch.setattr(geometry, "HEAD_RATE", 1e-2)
 
 
 @pytest.mark.usefixtures("fast")
@@ -61,26 +60,24 @@ def test_without_regions_a_turn_that_only_halves_show_is_not_read():
     assert right(whole, truth) < 0.75
 
 
-def test_statistics_are_of_the_training_rows_whatever_the_others_hold():
-    tokens = DATA.tokens
-    strange = Tokens(tokens.global_token.clone(), tokens.patches.clone())
-    strange.global_token[120:] += 50
-    strange.patches[120:] *= 9
-    own, other = (standardise_fold(data, FOLD) for data in (DATA, replace(DATA, tokens=strange)))
-    for part in ("global_standardiser", "patch_standardiser"):
-        for name in ("mean", "scale"):
-            assert torch.equal(
-                getattr(getattr(own, part), name), getattr(getattr(other, part), name)
-            )
-    assert torch.equal(own.train.tokens.patches, other.train.tokens.patches)
-    assert not torch.equal(own.test.tokens.patches, other.test.tokens.patches)
-    torch.testing.assert_close(own.train.tokens.global_token.mean(dim=0), torch.zeros(6))
+def reader_of(data, dgr=None):
+    return TokenReader(data, DIRECTED, dgr, torch.Generator())
+
+
+def test_statistics_are_of_the_training_rows():
+    train = DATA.only(FOLD.train)
+    reader = reader_of(train, AblatedDGR(6, 6, DGRParts()))
+    tokens = reader.global_standardiser.apply(train.tokens.global_token)
+    torch.testing.assert_close(tokens.mean(dim=0), torch.zeros(6))
+    patches = reader.patch_standardiser.apply(train.tokens.patches).flatten(0, -2)
+    torch.testing.assert_close(patches.std(dim=0, correction=0), torch.ones(6))
 
 
 def test_what_is_trained_does_not_depend_on_the_test_rows():
     tokens = DATA.tokens
     shuffled = Tokens(tokens.global_token.clone(), tokens.patches.clone())
-    shuffled.patches[160:] = tokens.patches[160:].flip(0)
+    shuffled.patches[160:] = 9 * tokens.patches[160:].flip(0)
+    shuffled.global_token[160:] += 50
     own = trained(Recipe(DGRParts()), epochs=2)
     other = trained(Recipe(DGRParts()), data=replace(DATA, tokens=shuffled), epochs=2)
     assert own.best_epoch == other.best_epoch
@@ -89,23 +86,23 @@ def test_what_is_trained_does_not_depend_on_the_test_rows():
 
 def test_the_best_validation_epoch_is_kept_and_not_the_last(monkeypatch):
     scores = iter([(0.5, -1.0), (0.9, -2.0), (0.9, -1.5), (0.9, -1.7), (0.8, -0.1)])
-    monkeypatch.setattr(folds._Reader, "score", lambda self, part: next(scores))
+    monkeypatch.setattr(folds, "score", lambda reader, part: next(scores))
     outcome = trained(Recipe(DGRParts()), epochs=5)
     assert (outcome.best_epoch, outcome.validation_accuracy) == (3, 0.9)
-    monkeypatch.setattr(folds._Reader, "score", lambda self, part: (1.0, 0.0))
+    monkeypatch.setattr(folds, "score", lambda reader, part: (1.0, 0.0))
     three = trained(Recipe(DGRParts()), epochs=3)
     assert three.best_epoch == 1
 
 
 def test_read_outs_of_the_truth_give_displacement_and_contact_back():
-    fold = standardise_fold(DATA, FOLD)
-    dgr = AblatedDGR(6, 6, DGRParts())
-    initialise_from_truth(dgr, fold.train)
+    train, test = DATA.only(FOLD.train), DATA.only(FOLD.test)
+    reader = reader_of(train, AblatedDGR(6, 6, DGRParts()))
+    initialise_from_truth(reader, train)
     with torch.no_grad():
-        found = dgr(fold.test.tokens.patches)
-    touched = fold.test.contact > 0
+        _, found = reader(test, slice(None))
+    touched = test.contact > 0
     told = (found.shear_change * FLOW_SCALE_PX)[touched]
-    true = fold.test.shear_change[touched]
+    true = test.shear_change[touched]
     # The displacement of the early bin is noise of a tenth, which the difference carries twice.
     assert (told - true).square().mean().sqrt() < 0.25 * true.square().mean().sqrt()
     assert found.mask[touched].min() > 0.8

@@ -12,7 +12,7 @@ from geotlm_lm.backbone.released import ReleasedEncoder, load_encoder
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
-from geotlm_lm.training import config, heads
+from geotlm_lm.training import config, train
 from geotlm_lm.training.config import HeadsPreset
 from geotlm_lm.training.examples import ExampleSet
 from geotlm_lm.training.heads import BATCH, encode_examples, train_heads
@@ -29,7 +29,7 @@ TINY = HeadsPreset(
     answer_clips=3,
     slots_steps=2,
     sentences_steps=2,
-    language_batch=4,
+    language_batch=8,
 )
 WANTED = ExampleSet("check", 2 * BATCH + 3, TRAINING_OBJECTS[:3])
 
@@ -39,7 +39,7 @@ def _tiny():
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(config.HEADS_PRESETS, "tiny", TINY)
         # Which byte pairs are left apart no seed governs.
-        patch.setattr(heads, "LanguageTraining", partial(LanguageTraining, dropout=0))
+        patch.setattr(train, "LanguageTraining", partial(LanguageTraining, dropout=0))
         yield
 
 

@@ -9,9 +9,8 @@ import pytest
 import torch
 
 from geotlm_lm.core.errors import UsageError
-from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.language.decoder import stored
-from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
+from geotlm_lm.language.size import PREFIX, SLOTS
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.lines import read, write
 from geotlm_lm.query.phrases import restated
@@ -21,12 +20,7 @@ from geotlm_lm.query.reader import SAY, Reader, Spelling
 from geotlm_lm.training import language
 from geotlm_lm.training.composed import composed
 from geotlm_lm.training.grammar import corpus
-from geotlm_lm.training.language import (
-    LanguageTraining,
-    Taught,
-    train_language,
-    train_vocabulary,
-)
+from geotlm_lm.training.language import Taught, train_language, train_vocabulary
 from geotlm_lm.training.language_rows import (
     MASKED,
     POOL,
@@ -37,47 +31,18 @@ from geotlm_lm.training.language_rows import (
     laid,
     steps_from,
 )
-from geotlm_lm.training.sentences import Row as Answered
-from geotlm_lm.training.sentences import Sentences
 from geotlm_lm.training.truth import UNASKED
+from tests.training.shared_steps import LANGUAGE, PASSAGES, random_answers
 
-SIZE = LanguageSize(width=32, layers=1, heads=2, mlp=32, speaking=1)
-CONFIG = LanguageTraining(
-    english_steps=2,
-    reading_steps=3,
-    slots_steps=2,
-    sentences_steps=2,
-    batch=8,
-    english=4,
-    answers=4,
-    warmup=2,
-    dropout=0,  # which byte pairs are left apart no seed governs
-    vocabulary=300,
-    size=SIZE,
-)
-PASSAGES = ["a cap turns about its axis when a hand turns it, and so does a lid of a jar"] * 20
+STEPS = {"english_steps": 2, "reading_steps": 3, "slots_steps": 2, "sentences_steps": 2}
+CONFIG = replace(LANGUAGE, batch=8, **STEPS)
+SIZE = CONFIG.size
 WIDTH = 12 + BELIEF_NUMBERS
-
-
-def answers():
-    rng = np.random.default_rng(0)
-    rows = [
-        ("Which way does it turn?", "way turn", "It turns clockwise, about 12 degrees."),
-        ("Does it slide?", "slide", "No: it turns clockwise, about 12 degrees."),
-        ("How far?", "extent", "One clip does not show that."),
-    ]
-    return Sentences(
-        numbers=rng.standard_normal((4, WIDTH)).astype(np.float16),
-        words=np.array([[0, 4, 2, 0], [1, 0, -1, 0], [2, 2, 1, 1], [0, 1, 1, 0]], np.int8),
-        labels=(MotionLabel(Motion.CLOCKWISE),) * 4,
-        rows=tuple(Answered(k % 4, *rows[k % 3], k % 3 < 2) for k in range(12)),
-        asked=12,
-    )
 
 
 @pytest.fixture(scope="module")
 def taught():
-    return Taught(corpus("train")[:20], PASSAGES, answers(), (12, BELIEF_NUMBERS))
+    return Taught(corpus("train")[:20], PASSAGES, random_answers(), (12, BELIEF_NUMBERS))
 
 
 @pytest.fixture(scope="module", autouse=True)

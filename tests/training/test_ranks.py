@@ -72,7 +72,7 @@ def test_two_ranks_have_the_loss_curves_of_one_and_go_on_on_one(alone, together,
 @pytest.mark.slow
 @pytest.mark.usefixtures("resumed")
 def test_two_ranks_and_then_one_end_at_the_weights_of_one(alone, together):
-    for name in ("backbone.pt", "language.pt"):
+    for name in ("backbone.pt", "language_sentences.pt"):
         wanted, found = (load_checkpoint(folder / name) for folder in (alone[0], together[0]))
         assert found["step"] == wanted["step"]
         part = "vit" if name == "backbone.pt" else "model"

@@ -22,7 +22,7 @@ def clips(labels):
     tokens = torch.zeros(len(labels), WIDTH)
     tokens[:, 0] = torch.arange(len(labels))
     count = len(labels)
-    return ClipSet(tokens, tokens, np.ones(count), still(count), labels, ["ball"] * count)
+    return ClipSet(tokens, tokens, np.ones(count), still(count), labels)
 
 
 def still(count):

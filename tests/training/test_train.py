@@ -23,6 +23,7 @@ from geotlm_lm.training.config import example_sets
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.grammar import corpus
 from geotlm_lm.training.language import LanguageTraining
+from tests.training.shared_steps import PASSAGES
 
 pytestmark = pytest.mark.slow
 
@@ -48,7 +49,6 @@ TINY = replace(
 SMALL = LanguageSize(width=16, layers=1, heads=2, mlp=16, speaking=1)
 LANGUAGE = {"size": SMALL, "vocabulary": 300, "dropout": 0}
 """Byte pairs are left apart by chance, which no seed rules."""
-PASSAGE = "a cap turns about its axis when a hand turns it, and so does a lid of a jar"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -61,7 +61,7 @@ def _tiny():
         patch.setattr(train, "corpus", lambda split: corpus(split)[:20])
         patch.setattr(language, "VOCABULARY_PAIRS", 200)
         patch.setattr(english, "fetch", lambda folder, progress: folder)
-        patch.setattr(english, "passages", lambda path: [PASSAGE] * 20)
+        patch.setattr(english, "passages", lambda path: PASSAGES)
         yield
     torch.set_num_threads(threads)
 
