@@ -67,13 +67,17 @@ def complaint() -> Any:
     return html("", '<p role="alert">${value}</p>', "complaint")
 
 
-def html(value: Any, template: str, name: str, script: str | None = None) -> Any:
+def html(
+    value: Any, template: str, name: str, script: str | None = None, *, part: str | None = None
+) -> Any:
     """Return a component of the page's own, whose script is run when it is laid out.
 
-    The name is its class in the style sheet, and its script in `parts.js` unless one is given.
+    The name is its class in the style sheet; its script is a part of `parts.js`, named likewise
+    unless a part or a script is given.
     """
     if script is None:
-        script = f"{Path(__file__).with_name('parts.js').read_text('utf-8')}\nparts.{name}();"
+        parts = Path(__file__).with_name("parts.js").read_text("utf-8")
+        script = f"{parts}\nparts.{part or name}();"
     return gradio().HTML(
         value,
         html_template=template,
