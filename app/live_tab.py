@@ -11,7 +11,7 @@ from geotlm_lm import CLIP_SUFFIXES, GeoTLMError
 from . import conversation, stage
 from .live import LiveSession, LiveTalk, follow_camera, stop, watch_recording
 from .sessions import remove_seen
-from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio
+from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio, sent
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -40,7 +40,7 @@ def build(answerer: Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
     gr = gradio()
     parts: dict[str, Any] = {"live": gr.State(LiveSession()), "last": gr.State()}
-    with gr.Row(elem_classes=["ask"]):
+    with gr.Row(elem_classes=["ask", "live"]):
         with gr.Column(elem_classes=["ask-talk"]):
             parts |= conversation.talk(UNWATCHED)
         with gr.Column(elem_classes=["ask-stage"]):
@@ -65,7 +65,7 @@ def _sources(gr: Any) -> dict[str, Any]:
             type="numpy",
             label="Sensor as camera",
             elem_classes=["live-camera"],
-            height=170,
+            height=164,
             min_width=200,
             # Mirrored, as people like to see themselves, every direction would be reversed.
             webcam_options=gr.WebcamOptions(mirror=False),
@@ -121,7 +121,7 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
             values = follow_camera(answerer, *given) or {"stage": gr.skip()}
         except GeoTLMError as error:
             values = {COMPLAINT: str(error)}
-        return {parts[name]: value for name, value in values.items()}
+        return {parts[name]: sent(name, value) for name, value in values.items()}
 
     camera, ends = parts["camera"], _ends(parts, ("camera", "live"), EMPTIED)
     camera.stream(follow, *ends, stream_every=0.1, **QUIET, **CAMERA)

@@ -49,7 +49,8 @@ class Packs:
         """Return where the pictures can be fetched, each as good as the budget allows."""
         digest = hashlib.blake2b(key=self._secret, digest_size=16)
         for image in images:
-            digest.update(repr(image.shape).encode() + np.ascontiguousarray(image).tobytes())
+            digest.update(repr(image.shape).encode())
+            digest.update(np.ascontiguousarray(image))
         key = digest.hexdigest()
         if self.content(key) is None:
             pack = _packed(images)

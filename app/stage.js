@@ -60,8 +60,9 @@ let frame = 0, isPlaying = false, isFollowing = false, began = 0, beganAt = 0;
 let shows = 0, stale = null;
 const received = new Received();
 
-async function show(value) {
+async function show(given) {
   shows += 1;
+  const value = given && given.json ? JSON.parse(given.json) : given; // as of `toolkit.sent`
   if (value && value.stream) await showStream(value, shows);
   else if (value && value.pack) await showRecording(value, shows);
   else showNothing();

@@ -71,6 +71,8 @@ class Talking:
         mm_per_px: float | None,
     ) -> Iterator[Filled]:
         """Answer the next question of the conversation, or take a fact about the recording."""
+        if not question:  # the second of two clicks
+            return
         if shown is None:
             raise GeoTLMError("No recording is open; open one first.")
         session, size_before = shown.session, shown.session.frame.mm_per_px
