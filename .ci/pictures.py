@@ -11,10 +11,10 @@ from app import ui
 from geotlm_lm import Answerer
 from tests.app.browser import SHOWN, STAGE, Browser
 
-QUESTION = "Which way is the cap turning?"
+QUESTIONS = ("How far did it turn?", "When did it slip?")
 SIZE = (1400, 900)
-HELD = (("Home", 36), ("End", 35))
-"""Keys that hold the picture at its last frame."""
+SHOWN_S = 1.8
+"""Moment of the recording at which it turns."""
 
 
 def draw(folder: Path) -> None:
@@ -23,10 +23,9 @@ def draw(folder: Path) -> None:
     with tempfile.TemporaryDirectory() as profile:
         browser = Browser(Path(profile), SIZE)
         try:
-            browser.open(ui.launch(page))  # the bottle cap is opened with it
-            browser.fill("Question", QUESTION)
-            browser.click("Ask", "button.primary")
-            browser.wait_for("document.body.innerText.includes('% sure)')")
+            browser.open(ui.launch(page))  # a recording is opened with it
+            for question in QUESTIONS:
+                browser.ask(question)
             _shoot(browser, folder / "page_ask.png")
             browser.click("Simulate", "button[role=tab]")
             browser.click("Simulate and ask", "button.primary")
@@ -40,8 +39,9 @@ def draw(folder: Path) -> None:
 def _shoot(browser: Browser, path: Path) -> None:
     """Write what is seen in 256 colours, a third of the size."""
     browser.run(f"window.scrollTo(0, 0); {STAGE}.querySelector('[data-part=scrub]').focus()")
-    for key in HELD:
-        browser.press(*key)
+    browser.press("End", 35)
+    browser.run(f"document.dispatchEvent(new CustomEvent('seek', {{detail: {SHOWN_S}}}))")
+    browser.run("document.activeElement.blur()")
     time.sleep(1.5)
     browser.screenshot(path)
     with Image.open(path) as seen:

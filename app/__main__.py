@@ -63,6 +63,7 @@ def _serve(port: int | None, mcp: bool, recordings: Path | None) -> None:
     print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
     try:
         model.load()
+        page.warm()
         page.block_thread()
     finally:
         page.close()

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from . import conversation, opening, stage
 from .clips import SUFFIXES
 from .guards import TOPIC_CHARACTERS
-from .opening import NOTHING_ASKED, Opening
+from .opening import Opening
 from .talking import Talking
-from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio
+from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio, html
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -19,14 +19,14 @@ CONTEXT = ("shown", "source", "frame", "mm_per_px")
 """What questions are about."""
 
 ANSWERED = (
-    *NOTHING_ASKED,
-    *("question", "frame", "mm_per_px", "framed", "chips", "saving", "stage", COMPLAINT),
+    *("chat", "evidence", "code", "last", "question", "frame", "mm_per_px", "framed", "chips"),
+    *("saving", "stage", COMPLAINT),
 )
 """What is filled when a question is answered."""
 
 OPENED = (
     *(name for name in ANSWERED if name not in ("question", "frame")),
-    *("shown", "source", "clip_notes", "first", "last_frame", "topic", "files"),
+    *("shown", "source", "first", "last_frame", "topic", "files"),
 )
 """What is filled when a recording is opened or closed."""
 
@@ -36,26 +36,26 @@ def build(answerer: Answerer, page: Any) -> None:
     gr = gradio()
     parts: dict[str, Any] = {name: gr.State() for name in ("shown", "source", "last")}
     with gr.Row(elem_classes=["ask"]):
-        with gr.Column(scale=11, min_width=320, elem_classes=["ask-stage"]):
-            parts["stage"] = stage.build()
-        with gr.Column(scale=9, min_width=320, elem_classes=["ask-talk"]):
+        with gr.Column(elem_classes=["ask-talk"]):
             parts |= conversation.talk()
-    with gr.Row(elem_classes=["open-another"]):
+        with gr.Column(elem_classes=["ask-stage"]):
+            parts["stage"] = stage.build()
+    with gr.Row(elem_classes=["gallery"]):
         parts["files"] = gr.File(
             label="Recording or images",
             file_types=SUFFIXES,
             file_count="multiple",
             type="filepath",
-            height=96,
+            height=84,
             elem_classes=["drop"],
-            scale=2,
-            min_width=240,
         )
-        with gr.Column(scale=7, min_width=300):
-            parts["examples"] = opening.strip()
-    parts |= _below(gr)
+        parts["examples"] = opening.strip()
+    with conversation.drawer():
+        parts |= _details(gr)
     talking = Talking(answerer)
-    _connect_opening(gr, parts, Opening(answerer), talking, page)
+    opens = Opening(answerer, talking)
+    _connect_opening(gr, parts, opens, page)
+    page.warm = opens.warm
     conversation.connect(parts, talking, CONTEXT, ANSWERED)
     # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
     given = [parts[name] for name in ("shown", "source", "mm_per_px")]
@@ -65,55 +65,36 @@ def build(answerer: Answerer, page: Any) -> None:
     _connect_saving(gr, parts)
 
 
-def _below(gr: Any) -> dict[str, Any]:
-    """Lay out what a first look does without, closed."""
-    parts: dict[str, Any] = {}
-    with gr.Accordion("Evidence: probabilities, other methods, regions", open=False):
-        parts["notes"] = gr.Markdown()
-        with gr.Row():
-            parts["probabilities"] = gr.Label(label="Calibrated probabilities", num_top_classes=5)
-            parts["verdicts"] = gr.Dataframe(
-                headers=["read by", "motion", "how"],
-                label="Read by three methods",
-                interactive=False,
-                wrap=True,
-            )
-        parts["band"] = gr.Markdown()
-        parts["regions"] = gr.Dataframe(
-            headers=["region", "shear change x", "shear change y", "contact mass"],
-            label="Seven regions",
-            interactive=False,
+def _details(gr: Any) -> dict[str, Any]:
+    """Lay out what is in the drawer."""
+    parts: dict[str, Any] = {"evidence": html({}, "<div></div>", "evidence")}
+    parts |= conversation.frame_of_reference()
+    gr.Markdown("#### Part of the recording")
+    with gr.Row():
+        # Text: of a number field left empty the page makes 0, which is a frame.
+        parts["first"] = gr.Textbox(label="First frame", max_length=9, min_width=80)
+        parts["last_frame"] = gr.Textbox(label="Last frame", max_length=9, min_width=80)
+        parts["topic"] = gr.Textbox(
+            label="Topic of a bag", max_length=TOPIC_CHARACTERS, min_width=120
         )
-        parts["timing"] = gr.Markdown()
-    with gr.Accordion("Frame of reference", open=False):
-        parts |= conversation.frame_of_reference()
-    with gr.Accordion("Frames and notes", open=False):
-        with gr.Row():
-            # Text: of a number field left empty the page makes 0, which is a frame.
-            parts["first"] = gr.Textbox(label="First frame (empty: all)", max_length=9)
-            parts["last_frame"] = gr.Textbox(label="Last frame", max_length=9)
-            parts["topic"] = gr.Textbox(
-                label="Topic of a bag (empty: its only one)", max_length=TOPIC_CHARACTERS
-            )
-        parts["read"] = gr.Button("Read again with these")
-        parts["clip_notes"] = gr.Markdown()
-    with gr.Accordion("Copy this as code", open=False):
-        parts["code"] = gr.Code(
-            label="The conversation in Python",
-            language="python",
-            interactive=False,
-            buttons=["copy"],
-        )
-    with gr.Accordion("Save and share", open=False):
-        parts["saving"] = opening.saving_bar()
+    parts["read"] = gr.Button("Read again with these")
+    gr.Markdown("#### Code")
+    parts["code"] = html("", CODE, "code")
+    gr.Markdown("#### Save and share")
+    parts["saving"] = opening.saving_bar()
+    gr.HTML(PROGRAMS, apply_default_css=False)
     return parts
 
 
-def _connect_opening(
-    gr: Any, parts: dict[str, Any], opens: Opening, talking: Talking, page: Any
-) -> None:
+CODE = '<button type="button" hidden>Copy</button><pre tabindex="0" aria-label="Code"></pre>'
+
+PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Python, MCP</a></p>'
+
+
+def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) -> None:
     before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
     outputs = [parts[name] for name in OPENED]
+    asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
     files, upload = parts["files"], filling(parts, opens.upload)
     for trigger in (files.upload, files.clear, files.delete):
@@ -132,22 +113,7 @@ def _connect_opening(
     def visit(request: Any) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
 
-    def ask_if_linked(question: str, *given: Any) -> Iterator[Filled]:
-        if question:
-            yield from talking.ask(question, *given)
-
-    page.load(
-        filling(parts, visit, gr.Request),
-        None,
-        [parts[name] for name in ("stage", "source", "question", COMPLAINT)],
-        queue=False,
-        **PRIVATE,
-    ).then(again, [*spanned, *before], outputs, **at_stage).then(
-        filling(parts, ask_if_linked),
-        [parts[name] for name in ("question", "chat", *CONTEXT)],
-        [parts[name] for name in ANSWERED],
-        **at_stage,
-    )
+    page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage)
 
 
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:

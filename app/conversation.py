@@ -1,8 +1,9 @@
-"""A conversation as the page lays it out: messages, questions to try, the facts that hold."""
+"""A conversation as the page lays it out: exchanges, questions to try, the facts that hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import FrameSpec, Motion
@@ -13,7 +14,7 @@ from .toolkit import COMPLAINT, PRIVATE, Filled, complaint, filling, gradio, htm
 if TYPE_CHECKING:
     from .clips import LoadedClip
 
-PLACEHOLDER = "Ask how the touched object moves, in plain English, or click a question below."
+EMPTY = "Ask how the touched object moves, in plain English, or click a question below."
 
 MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
 CLOCKWISE = "image is turned 90° clockwise"
@@ -36,15 +37,29 @@ OF_A_CLIP = (
     "Is it turning or sliding?",
     "Is anything touching the gel?",
 )
-OF_A_RECORDING = (
-    "What happens first and what then?",
-    "When did it stop?",
-    "How far did it turn?",
-    "How often did it turn back?",
-    "How long did it touch?",
-)
+STORY = "What happens first and what then?"
+OF_EVENTS = {
+    "turn": ("How far did it turn?", "How fast did it turn?"),
+    "slide": ("How far did it slide?",),
+    "slip": ("When did it slip?",),
+    "touch": ("How long did it touch?",),
+}
+"""Questions about events of a kind."""
+
+TURNED_BACK, STOPPED = "How often did it turn back?", "When did it stop?"
+WATCHED = (STORY, STOPPED, "How far did it turn?", "How long did it touch?")
+"""Questions about what is being watched."""
+
 IN_MM = "How many mm did it slide?"
-OF_AN_ANSWER = ("How sure are you?", "Why do you say so?", "And seen from the object's side?")
+OF_AN_ANSWER = {
+    "way": ("How sure are you?", "And seen from the object's side?"),
+    "number": ("How sure are you?", "Why do you say so?"),
+    "time": ("How sure are you?", "And in frames?"),
+    "bool": ("How sure are you?", "Why do you say so?"),
+}
+"""Questions about an answer, by its kind."""
+
+MOST_SUGGESTED = 5
 
 
 def fields_of(facts: list[str]) -> dict[str, Any]:
@@ -80,65 +95,100 @@ def update_facts(facts: list[str], fact: str, is_checked: bool) -> list[str]:
 
 
 def suggested(shown: LoadedClip | None) -> list[str]:
-    """Return the questions to offer about what is open, those about an answer once there is one.
-
-    None tells how the recording moves.
-    """
+    """Return the questions that fit what is open and, once there is one, the last answer."""
     if shown is None:
         return []
-    session = shown.session
+    session, track = shown.session, shown.encoded.track
     asked = [turn.question for turn in session.history]
-    own: Sequence[str] = OF_A_CLIP if shown.encoded.track is None else OF_A_RECORDING
+    own: list[str] = list(OF_A_CLIP)
+    if track is not None:
+        kinds = {event.kind.value for event in track.events}
+        own = [STORY, *(text for kind in OF_EVENTS if kind in kinds for text in OF_EVENTS[kind])]
+        own[2:2] = [TURNED_BACK] if track.turned_back() else []
     if session.frame.mm_per_px is not None:
-        own = (*own, IN_MM)
-    about_last = OF_AN_ANSWER if session.last is not None else ()
-    return [question for question in (*about_last, *own) if question not in asked]
+        own.insert(0, IN_MM)
+    last = session.last
+    about_last = OF_AN_ANSWER.get(last.kind, ()) if last is not None and session.history else ()
+    fitting = [question for question in (*about_last, *own) if question not in asked]
+    return fitting[:MOST_SUGGESTED]
 
 
-def talk() -> dict[str, Any]:
-    """Lay out the conversation."""
+def exchanges(session: Any, pending: str | None = None) -> dict[str, Any]:
+    """Return a conversation as the page shows it, with a question that is being answered."""
+    turns = [] if session is None else session.history
+    return {
+        "exchanges": [
+            {"question": turn.question, "answer": turn.answer.text, "sure": _sure(turn.answer)}
+            for turn in turns
+        ],
+        "pending": pending,
+    }
+
+
+def _sure(answer: Any) -> int | None:
+    """Return how sure an answer is, percent; None where its words tell, or nothing is claimed."""
+    if answer.abstained or answer.kind in ("talk", "fact"):
+        return None
+    return round(100 * answer.confidence)
+
+
+TALK = (
+    '<div class="talk-head"><span>Conversation</span>'
+    '<button type="button" data-part="clear" aria-label="Clear the conversation" hidden>Clear'
+    "</button>"
+    '<button type="button" data-part="details" aria-expanded="false">Details</button></div>'
+    '<div data-part="list" class="talk-list" role="log" aria-label="Conversation" tabindex="0">'
+    "</div>"
+)
+
+
+def talk(empty: str = EMPTY) -> dict[str, Any]:
+    """Lay out the conversation; the question comes first for the keyboard."""
     gr, parts = gradio(), {}
-    parts["chat"] = gr.Chatbot(
-        label="Conversation",
-        elem_classes=["chat"],
-        height="100%",
-        buttons=["copy_all"],
-        placeholder=PLACEHOLDER,
-        # A question is shown as it was typed: a picture in it would be fetched from its site.
-        # Without Markdown the toolkit still takes a message for HTML.
-        render_markdown=False,
-    )
-    group = '<div role="group" aria-label="Questions to try"></div>'
-    parts["chips"] = html([], group, "chips")
     with gr.Row(elem_classes=["ask-line"]):
         parts["question"] = gr.Textbox(
             label="Question",
             show_label=False,
             container=False,
-            placeholder="Your question",
+            placeholder="Ask how it moves",
             max_length=QUESTION_CHARACTERS,
+            max_lines=3,
             scale=6,
             min_width=160,
             elem_classes=["question"],
         )
         parts["ask"] = gr.Button("Ask", variant="primary", scale=1, min_width=64)
-        parts["retry"] = gr.Button("Retry", scale=1, min_width=56)
     parts[COMPLAINT] = complaint()
+    parts["chat"] = html({"empty": empty}, TALK, "talk")
+    group = '<div role="group" aria-label="Questions to try"></div>'
+    parts["chips"] = html([], group, "chips")
     return parts
+
+
+@contextmanager
+def drawer() -> Iterator[None]:
+    """Lay out what a first look does without: it slides in from the right."""
+    with gradio().Column(elem_classes=["drawer"]):
+        head = (
+            "<h3>Details</h3>"
+            '<button type="button" class="drawer-close" aria-label="Close the details">✕</button>'
+        )
+        html("", head, "drawer-head", part="drawer")
+        yield
 
 
 def frame_of_reference() -> dict[str, Any]:
     """Lay out the facts that directions and lengths are told by."""
     gr, parts = gradio(), {}
     gr.Markdown(
-        "Directions are told **as seen in the camera image** (looking out of the sensor at the "
-        "object), for the object relative to the sensor. Check what is different about yours."
+        "#### Frame of reference\nDirections are told **as seen in the camera image** (looking out "
+        "of the sensor at the object), for the object relative to the sensor. Check what is "
+        "different about yours."
     )
-    with gr.Row():
-        parts["frame"] = gr.CheckboxGroup(list(FACTS), label="Tell it for another frame", scale=2)
-        parts["mm_per_px"] = gr.Number(
-            label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
-        )
+    parts["frame"] = gr.CheckboxGroup(list(FACTS), label="Tell it for another frame")
+    parts["mm_per_px"] = gr.Number(
+        label="Millimetres per pixel (0: slides are told in pixels)", value=0, step=0.01
+    )
     parts["framed"] = gr.Markdown(in_frame([], None))
     return parts
 
@@ -148,11 +198,11 @@ def connect(
 ) -> None:
     """Connect the conversation, which is about the parts of `context`, and the facts beside it.
 
-    `talking.ask` takes question, conversation and context, `again` the last two, `forget` the
-    context alone; each yields what the parts show.
+    `talking.ask` takes question and context, `again` and `forget` the context alone; each yields
+    what the parts show.
     """
     gr = gradio()
-    asked = [parts[name] for name in ("question", "chat", *context)]
+    asked = [parts[name] for name in ("question", *context)]
     outputs = [parts[name] for name in answered]
     options = model_at(parts["chips"])
     asking, again = filling(parts, talking.ask), filling(parts, talking.again)
@@ -160,7 +210,7 @@ def connect(
         trigger(asking, asked, outputs, **options)
         for trigger in (parts["ask"].click, parts["question"].submit)
     ]
-    running.append(parts["retry"].click(again, asked[1:], outputs, **options))
+    running.append(parts["chat"].retry(again, asked[1:], outputs, **options))
 
     def take(event: Any) -> Iterator[Filled]:
         yield {"question": str(event._data.get("text", ""))[:QUESTION_CHARACTERS]}
@@ -173,16 +223,12 @@ def connect(
         **PRIVATE,
     )
     running.append(chosen.then(asking, asked, outputs, **options))
+    ending = {"cancels": running, "show_progress": "hidden", **PRIVATE}
     # All that is filled with an answer is emptied, but for what is typed.
     forgotten = [parts[name] for name in (*answered, "shown") if name in parts]
-    parts["chat"].clear(
-        filling(parts, talking.forget),
-        asked[2:],
-        forgotten,
-        cancels=running,
-        show_progress="hidden",
-        **PRIVATE,
-    )
+    parts["chat"].clear(filling(parts, talking.forget), asked[1:], forgotten, **ending)
+    ended = [parts["chat"], parts[COMPLAINT]]
+    parts["chat"].stop(filling(parts, talking.shown_again), asked[1:], ended, **ending)
 
     def check(facts: list[str], direction: str | None, event: Any) -> tuple:
         held = update_facts(facts, event.value, event.selected)

@@ -2,8 +2,8 @@
 // picture's width and height, so that a picture of any size shows them in their place.
 
 const DIFFERENCE_GAIN = 4; // grey levels drawn per grey level of change, as in saved pictures
-const CONTACT_RGB = [255, 70, 40];
-const DIAL_PX = 26;
+const LOOK_AHEAD_S = 0.25; // arrows of a recording reach to where the contact is then
+const ARROWS_ACROSS = 9; // arrows over the longer side of a contact
 
 function loadImage(address) {
   return new Promise((resolve) => {
@@ -11,6 +11,22 @@ function loadImage(address) {
     image.onload = () => resolve(image);
     image.onerror = () => resolve(null);
     image.src = address;
+  });
+}
+
+// The pictures of a pack, as of `pictures.py`, which load by themselves.
+async function imagesOf(address) {
+  const answer = await fetch(new URL(address, document.baseURI));
+  if (!answer.ok) return null;
+  const content = await answer.arrayBuffer(), view = new DataView(content);
+  const count = view.getUint32(0, true);
+  let place = 4 * (count + 1);
+  return Array.from({ length: count }, (_, k) => {
+    const length = view.getUint32(4 * (k + 1), true), image = new Image();
+    image.src = URL.createObjectURL(new Blob([content.slice(place, place + length)], { type: "image/jpeg" }));
+    image.onload = () => URL.revokeObjectURL(image.src);
+    place += length;
+    return image;
   });
 }
 
@@ -37,37 +53,30 @@ function differenceOf(image, idlePixels) {
   return canvas;
 }
 
-function maskCanvas(mask) {
-  const canvas = document.createElement("canvas");
-  canvas.height = mask.length;
-  canvas.width = mask[0].length;
-  const context = canvas.getContext("2d");
-  const image = context.createImageData(canvas.width, canvas.height);
-  mask.flat().forEach((share, k) => {
-    image.data.set([...CONTACT_RGB, Math.round(255 * 0.6 * Math.min(Math.max(share, 0), 1))], 4 * k);
-  });
-  context.putImageData(image, 0, 0);
-  return canvas;
+function pathOf(polygons, size) {
+  const path = new Path2D();
+  for (const polygon of polygons) {
+    polygon.forEach(([x, y], k) => path[k ? "lineTo" : "moveTo"](x * size[0], y * size[1]));
+    path.closePath();
+  }
+  return path;
 }
 
-function drawContact(context, size, contact, mask, strength) {
-  const [[left, top], [right, bottom]] = contact.corners;
-  const box = [left * size[0], top * size[1], (right - left) * size[0], (bottom - top) * size[1]];
-  context.save();
-  context.globalAlpha = strength;
-  context.imageSmoothingEnabled = true;
-  context.drawImage(mask, ...box);
-  context.restore();
-  context.strokeStyle = "rgba(235,235,235,0.8)";
-  context.lineWidth = 1;
-  context.strokeRect(...box);
+function drawContact(context, size, polygons) {
+  const path = pathOf(polygons, size);
+  context.lineJoin = "round";
+  for (const [width, colour] of [[4, "rgba(0,0,0,0.45)"], [1.6, "#ffffff"]]) {
+    context.lineWidth = width;
+    context.strokeStyle = colour;
+    context.stroke(path);
+  }
 }
 
 function drawArrow(context, from, to, colour, thickness) {
   const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
-  if (length < thickness) return;
+  if (length < 3) return;
   const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
-  const head = Math.min(Math.max(0.35 * length, 5), 14);
+  const head = Math.min(Math.max(0.35 * length, 4), 12);
   context.strokeStyle = colour;
   context.lineWidth = thickness;
   context.lineCap = "round";
@@ -81,47 +90,45 @@ function drawArrow(context, from, to, colour, thickness) {
   context.stroke();
 }
 
-function drawField(context, size, field) {
-  for (const [tail, tip] of field.ends) {
-    const ends = [tail, tip].map((one) => [one[0] * size[0], one[1] * size[1]]);
-    drawArrow(context, ...ends, "rgba(0,0,0,0.55)", 4);
-    drawArrow(context, ...ends, field.colour, 2);
+function drawField(context, size, ends, colour) {
+  for (const pair of ends) {
+    const [tail, tip] = pair.map((point) => [point[0] * size[0], point[1] * size[1]]);
+    drawArrow(context, tail, tip, "rgba(0,0,0,0.55)", 4);
+    drawArrow(context, tail, tip, colour, 2);
   }
 }
 
-// What lies over the picture and how long its arrows are, in the lower left corner.
+// Where points of the contact go: turned about its middle and carried along, shares of the picture.
+function rigidArrows(size, polygons, turn, travel) {
+  const points = polygons.flat(), path = pathOf(polygons, size);
+  const plain = document.createElement("canvas").getContext("2d"); // which nothing has moved or turned
+  const across = points.map((point) => point[0] * size[0]), down = points.map((point) => point[1] * size[1]);
+  const [left, right, top, bottom] = [Math.min(...across), Math.max(...across), Math.min(...down), Math.max(...down)];
+  const middle = [(left + right) / 2, (top + bottom) / 2];
+  const step = Math.max(right - left, bottom - top) / ARROWS_ACROSS, ends = [];
+  const cos = Math.cos(turn), sin = Math.sin(turn);
+  for (let x = left + step / 2; x < right; x += step) {
+    for (let y = top + step / 2; y < bottom; y += step) {
+      if (!plain.isPointInPath(path, x, y)) continue;
+      const [a, b] = [x - middle[0], y - middle[1]];
+      const tip = [middle[0] + cos * a - sin * b, middle[1] + sin * a + cos * b];
+      ends.push([[x / size[0], y / size[1]], [tip[0] / size[0] + travel[0], tip[1] / size[1] + travel[1]]]);
+    }
+  }
+  return ends;
+}
+
+// What lies over the picture, in its lower left corner.
 function drawLegend(context, size, lines) {
   context.font = "12px system-ui, sans-serif";
   context.textBaseline = "middle";
   lines.forEach((line, k) => {
     const middle = size[1] - 14 - 20 * (lines.length - 1 - k);
-    const long = (line.length || 0) * size[0];
-    const width = context.measureText(line.text).width + long + (long ? 26 : 16);
-    context.fillStyle = "rgba(20,20,20,0.72)";
-    context.fillRect(0, middle - 10, width, 20);
-    if (long) drawArrow(context, [8, middle], [8 + long, middle], line.colour, 2);
+    context.fillStyle = "rgba(12,16,22,0.66)";
+    context.fillRect(0, middle - 10, context.measureText(line.text).width + 32, 20);
+    context.fillStyle = line.colour || "#fff";
+    context.fillRect(8, middle - 1.5, 10, 3);
     context.fillStyle = "#fff";
-    context.fillText(line.text, long ? 16 + long : 8, middle);
+    context.fillText(line.text, 24, middle);
   });
-}
-
-// The way since the first frame: a hand that has turned as the object, an arrow as long as its way.
-function drawWay(context, size, way) {
-  const middle = [way.middle[0] * size[0], way.middle[1] * size[1]];
-  const tip = [middle[0] + way.travel[0] * size[0], middle[1] + way.travel[1] * size[1]];
-  drawArrow(context, middle, tip, "rgba(0,0,0,0.55)", 5);
-  drawArrow(context, middle, tip, "#ffdc00", 2.5);
-  const centre = [DIAL_PX + 12, DIAL_PX + 12], angle = (way.turn * Math.PI) / 180;
-  context.fillStyle = "rgba(20,20,20,0.6)";
-  context.beginPath();
-  context.arc(...centre, DIAL_PX, 0, 2 * Math.PI);
-  context.fill();
-  context.strokeStyle = "rgba(255,255,255,0.6)";
-  context.lineWidth = 1;
-  context.beginPath();
-  context.moveTo(...centre);
-  context.lineTo(centre[0], centre[1] - DIAL_PX);
-  context.stroke();
-  const hand = [centre[0] + DIAL_PX * Math.sin(angle), centre[1] - DIAL_PX * Math.cos(angle)];
-  drawArrow(context, centre, hand, "#ffdc00", 2.5);
 }

@@ -31,10 +31,11 @@ from geotlm_lm import (
 
 from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
-from .conversation import OF_A_RECORDING, in_frame
+from .conversation import WATCHED, exchanges, in_frame
 from .opening import Source
-from .stage import jpeg_address, timeline_of
-from .talking import Messages, Talking
+from .pictures import jpeg_address
+from .stage import limits_of, outline, timeline_of
+from .talking import Talking
 from .toolkit import COMPLAINT, Filled
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ LEAST_KEPT = 3 * LEAST_FRAMES
 
 WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
-UNASKED: Filled = {"chat": [], "last": None, "framed": "", COMPLAINT: ""}
+UNASKED: Filled = {"chat": exchanges(None), "last": None, "framed": "", COMPLAINT: ""}
 
 NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
 """What is shown before anything was watched."""
@@ -128,9 +129,7 @@ class LiveStream:
             window = [0.0, self._now_s or FIRST_WINDOW_S]  # of a single frame
         shows_notes = self.is_over or self._now_s > NOTES_FROM_S
         learnt = "idle gel learnt" if idle is not None else "learning the idle gel"
-        contact = {"corners": [[0, 0], [1, 1]], "told": "red: where the gel has changed"}
         return {
-            "key": secrets.token_hex(4),
             "stream": self.key,
             "live": not self.is_over,
             "name": self.name,
@@ -139,11 +138,10 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(end, 3) for end in window],
-            "timeline": timeline_of(drawing, "s", since_s),
+            "timeline": timeline_of(drawing, "s", limits_of(track, units), since_s),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],
-            "overlays": {"contact": contact, "fields": []},
         }
 
     def shown(self) -> LoadedClip:
@@ -172,6 +170,11 @@ class LiveStream:
         self._shown, self._talk = (seen, grown), grown
         return grown
 
+    @property
+    def session(self) -> Any:
+        """The conversation; None before the first question."""
+        return None if self._talk is None else self._talk.session
+
     def forget_talk(self) -> None:
         """Begin the conversation anew with the next question."""
         self._shown = self._talk = None
@@ -181,7 +184,7 @@ class LiveStream:
             "at": round(self._now_s, 3),
             "number": self.count - 1,
             "image": jpeg_address(frame, SIDE, QUALITY),
-            "touched": None if idle is None else change_map(frame, idle).round(2).tolist(),
+            "outline": [] if idle is None else outline(change_map(frame, idle)),
         }
 
     def _idle_to_send(self, idle: Image | None) -> str | None:
@@ -203,7 +206,7 @@ class LiveSession:
 
     def begin(self, stream: LiveStream) -> Filled:
         """Watch another stream, and return what the parts show of it at first."""
-        values: Filled = {"chips": list(OF_A_RECORDING)}
+        values: Filled = {"chips": list(WATCHED)}
         if self.shape not in ((), stream.shape):
             self.mm_per_px, values["mm_per_px"] = None, 0  # it was stated of other pixels
         self.stream, self.shape = stream, stream.shape
@@ -286,22 +289,26 @@ class LiveTalk:
     answerer: Answerer
 
     def ask(
-        self, question: str, chat: Messages, live: LiveSession, facts: list[str], *size: Any
+        self, question: str, live: LiveSession, facts: list[str], *size: Any
     ) -> Iterator[Filled]:
         """As `Talking.ask`, unless something else is watched when the answer comes."""
-        return self._answers(live, "ask", (question, chat), (facts, *size))
+        return self._answers(live, "ask", (question,), (facts, *size))
 
-    def again(
-        self, chat: Messages, live: LiveSession, facts: list[str], *size: Any
-    ) -> Iterator[Filled]:
+    def again(self, live: LiveSession, facts: list[str], *size: Any) -> Iterator[Filled]:
         """As `Talking.again`, likewise."""
-        return self._answers(live, "again", (chat,), (facts, *size)) if chat else iter(())
+        if live.stream is None or live.stream.session is None:
+            return iter(())
+        return self._answers(live, "again", (), (facts, *size))
+
+    def shown_again(self, live: LiveSession, *_: Any) -> Iterator[Filled]:
+        """As `Talking.shown_again`."""
+        yield {"chat": exchanges(live.stream and live.stream.session)}
 
     def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation anew; the frame that the page shows still holds."""
         if live.stream is not None:
             live.stream.forget_talk()
-        chips = [] if live.stream is None else list(OF_A_RECORDING)
+        chips = [] if live.stream is None else list(WATCHED)
         yield UNASKED | {"framed": in_frame(facts, None), "chips": chips}
 
     def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:

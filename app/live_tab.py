@@ -11,7 +11,7 @@ from geotlm_lm import CLIP_SUFFIXES, GeoTLMError
 from . import conversation, stage
 from .live import LiveSession, LiveTalk, follow_camera, stop, watch_recording
 from .sessions import remove_seen
-from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio
+from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio, sent
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -20,6 +20,8 @@ INVITES = (
     "Start the camera below, or drop a recording there and press Watch. Leave the gel untouched "
     "for the first half second: that is when its idle image is learnt."
 )
+
+UNWATCHED = "Start a camera or a recording: questions are answered from what was seen by then."
 
 WATCHED = ("stage", "chips", COMPLAINT)
 """What is filled while frames arrive."""
@@ -38,13 +40,13 @@ def build(answerer: Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
     gr = gradio()
     parts: dict[str, Any] = {"live": gr.State(LiveSession()), "last": gr.State()}
-    with gr.Row(elem_classes=["ask"]):
-        with gr.Column(scale=11, min_width=320, elem_classes=["ask-stage"]):
+    with gr.Row(elem_classes=["ask", "live"]):
+        with gr.Column(elem_classes=["ask-talk"]):
+            parts |= conversation.talk(UNWATCHED)
+        with gr.Column(elem_classes=["ask-stage"]):
             parts["stage"] = stage.build(invites=INVITES)
-            parts |= _sources(gr)
-        with gr.Column(scale=9, min_width=320, elem_classes=["ask-talk"]):
-            parts |= conversation.talk()
-    with gr.Accordion("Frame of reference", open=False):
+    parts |= _sources(gr)
+    with conversation.drawer():
         parts |= conversation.frame_of_reference()
     _connect_sources(parts, answerer)
     talk = LiveTalk(answerer)
@@ -63,7 +65,7 @@ def _sources(gr: Any) -> dict[str, Any]:
             type="numpy",
             label="Sensor as camera",
             elem_classes=["live-camera"],
-            height=150,
+            height=164,
             min_width=200,
             # Mirrored, as people like to see themselves, every direction would be reversed.
             webcam_options=gr.WebcamOptions(mirror=False),
@@ -78,7 +80,9 @@ def _sources(gr: Any) -> dict[str, Any]:
             )
             with gr.Row(elem_classes=["watching"]):
                 parts["go"] = gr.Button("Watch", variant="primary", min_width=80)
-                parts["clear"] = gr.Button("Stop and clear", min_width=120)
+                parts["clear"] = gr.Button(
+                    "Stop and clear", min_width=120, elem_classes=["only-shown"]
+                )
     return parts
 
 
@@ -117,7 +121,7 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
             values = follow_camera(answerer, *given) or {"stage": gr.skip()}
         except GeoTLMError as error:
             values = {COMPLAINT: str(error)}
-        return {parts[name]: value for name, value in values.items()}
+        return {parts[name]: sent(name, value) for name, value in values.items()}
 
     camera, ends = parts["camera"], _ends(parts, ("camera", "live"), EMPTIED)
     camera.stream(follow, *ends, stream_every=0.1, **QUIET, **CAMERA)

@@ -9,12 +9,15 @@ from dataclasses import dataclass, replace
 from functools import cache
 from html import escape
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 from urllib.parse import urlencode
 
 import cv2
+import numpy as np
 
 from geotlm_lm import (
+    FRAME_COUNT,
     Exported,
     FrameSpec,
     GeoTLMError,
@@ -27,24 +30,21 @@ from geotlm_lm import (
 
 from . import stage
 from .clips import LoadedClip, latest_upload, load_clip, span_of
-from .conversation import in_frame, suggested
+from .conversation import exchanges, in_frame, suggested
 from .guards import QUESTION_CHARACTERS
-from .sources import EXAMPLES
-from .toolkit import Filled, html, literal
+from .pictures import jpeg_address
+from .sources import EXAMPLES, RECORDING_FOLDER
+from .toolkit import Filled, html
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-FIRST = "bottle_cap"
-"""Opened with the page: its turn is easily followed by eye."""
+FIRST = "recording_key"
+"""Opened with the page: a touch, a turn there and back, a slip and a release."""
+
+FIRST_QUESTION = "What happens first and what then?"
 
 THUMBNAIL_PX = 104
-
-NOTHING_ASKED: Filled = {
-    **{"chat": [], "notes": "", "probabilities": None, "band": "", "verdicts": None},
-    **{"regions": None, "timing": "", "code": "", "last": None},
-}
-"""The conversation and all that stands beside it, before anything was asked."""
 
 EMPTY_FIELDS: Filled = {"first": "", "last_frame": "", "topic": ""}
 """Which part of a recording is read, before it was stated."""
@@ -65,19 +65,25 @@ class Source:
 
 @cache
 def examples() -> dict[str, Source]:
-    """Return the recordings on offer by their keys, the one that is opened first before all.
+    """Return what is on offer by keys, whole recordings before clips, the first opened first.
 
     They are named after what is touched: how it moves is for the model to tell.
     """
     offer: dict[str, Source] = {}
+    for path in sorted(RECORDING_FOLDER.glob("*.mov")):
+        key = f"recording_{path.stem}"
+        offer[key] = Source(str(path), path.stem.replace("_", " "), key)
+    offer = dict(sorted(offer.items(), key=lambda item: item[0] != FIRST))
     for path in EXAMPLES.values():
+        if path.parent == RECORDING_FOLDER:
+            continue
         touched = path.stem
         for motion in sorted(Motion, key=lambda motion: -len(motion)):
             touched = touched.removesuffix(f"_{motion.value}")
         count = 1 + sum(key.rstrip("_23456789") == touched for key in offer)
         key = touched if count == 1 else f"{touched}_{count}"
         offer[key] = Source(str(path), key.replace("_", " "), key)
-    return dict(sorted(offer.items(), key=lambda item: item[0] != FIRST))
+    return offer
 
 
 def strip() -> Any:
@@ -87,21 +93,33 @@ def strip() -> Any:
 
 @cache
 def _strip_markup() -> str:
-    buttons = [
-        f'<button type="button" class="example" data-example="{escape(key)}">'
-        f'<img src="{_thumbnail(source.path)}" alt="" width="{THUMBNAIL_PX}">'
-        f"<span>{escape(source.name)}</span></button>"
-        for key, source in examples().items()
-    ]
-    return f'<div role="group" aria-label="Examples">{"".join(buttons)}</div>'
+    recordings, clips = [], []
+    for key, source in examples().items():
+        thumbnail, length = _thumbnail(source.path)
+        (recordings if length else clips).append(
+            f'<button type="button" class="example" data-example="{escape(key)}">'
+            f'<img src="{thumbnail}" alt="" width="{THUMBNAIL_PX}">'
+            f"<span>{escape(source.name)}{f' <i>{length}</i>' * bool(length)}</span></button>"
+        )
+    groups = (("Recordings", recordings), ("Clips of four frames", clips))
+    return "".join(
+        f'<div role="group" aria-label="{label}"><h2>{label}</h2><div>{"".join(shown)}</div></div>'
+        for label, shown in groups
+    )
 
 
-def _thumbnail(path: str) -> str:
-    frame = read_clip(path).frames[-1]
+def _thumbnail(path: str) -> tuple[str, str]:
+    """Return a picture of a recording in which it is touched, and how long it is."""
+    clip = read_clip(path)
+    frame = clip.frames[-1]
+    if is_whole := len(clip) > FRAME_COUNT:
+        changes = [np.abs(np.subtract(each, frame, dtype=np.int16)).mean() for each in clip.frames]
+        frame = clip.frames[int(np.argmax(changes))]
     rows, columns = camera_size(*frame.shape[:2])
     size = (THUMBNAIL_PX, round(THUMBNAIL_PX * rows / columns))
     small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
-    return stage.jpeg_address(small, THUMBNAIL_PX, 95)
+    length = f"{len(clip) / clip.fps:.0f} s" if is_whole and clip.fps else ""
+    return jpeg_address(small, THUMBNAIL_PX, 95), length
 
 
 class Opening:
@@ -111,9 +129,10 @@ class Opening:
     or None where it is not known), and the clip that is open.
     """
 
-    def __init__(self, answerer: Answerer) -> None:
-        self._answerer = answerer
+    def __init__(self, answerer: Answerer, talking: Any = None) -> None:
+        self._answerer, self._talking = answerer, talking
         self._perceived: dict[str, LoadedClip] = {}  # examples: everybody opens the same
+        self._lock = Lock()
 
     def upload(self, paths: list[str] | None, *before: Any) -> Iterator[Filled]:
         """Open what was uploaded last; close everything where all was taken away."""
@@ -137,10 +156,28 @@ class Opening:
         yield from self._open(source, before)
 
     def visit(self, query: Mapping[str, str]) -> Iterator[Filled]:
-        """Show the example and the question of a link, or the first example; nothing is asked."""
-        source = examples().get(query.get("example", FIRST), examples()[FIRST])
-        question = query.get("q", "")[:QUESTION_CHARACTERS]
-        yield {"stage": _unread(source), "source": source, "question": question}
+        """Show and open the example of a link, or the first one; a wrong link opens nothing.
+
+        The question is asked that is in the link; of the page itself the first one.
+        """
+        key = query.get("example", FIRST)
+        if (source := examples().get(key)) is None:
+            yield _closed([])
+            raise GeoTLMError(
+                f"The link names the example {key[:40]!r}, which does not exist; open one below."
+            )
+        yield {"stage": _unread(source), "source": source}
+        for values in self._open(source, ([], None, None)):
+            yield values
+        question = query.get("q", "" if query.get("example") else FIRST_QUESTION)
+        if question:
+            yield from self._talking.ask(
+                question[:QUESTION_CHARACTERS], values["shown"], source, [], None
+            )
+
+    def warm(self) -> None:
+        """Look at what is opened with the page, before anybody comes."""
+        self._example(examples()[FIRST])
 
     def read_again(
         self, source: Source | None, first: str, last: str, topic: str | None, *before: Any
@@ -168,10 +205,21 @@ class Opening:
 
     def _example(self, source: Source) -> LoadedClip:
         """Return an example, perceived once, with a conversation of its own."""
-        if source.example not in self._perceived:
-            self._perceived[source.example] = load_clip(self._answerer, source.path)
-        perceived = self._perceived[source.example]
+        with self._lock:
+            if source.example not in self._perceived:
+                self._perceived[source.example] = load_clip(self._answerer, source.path)
+            perceived = self._perceived[source.example]
         return replace(perceived, session=self._answerer.session(perceived.encoded))
+
+
+def about_clip(shown: LoadedClip | None) -> dict[str, Any]:
+    """Return what is to be known of a recording, whatever is asked."""
+    return {"about": [] if shown is None else list(shown.encoded.clip.notes)}
+
+
+def nothing_asked(shown: LoadedClip | None) -> Filled:
+    """Return the conversation and all that stands beside it, before anything was asked."""
+    return {"chat": exchanges(None), "evidence": about_clip(shown), "code": "", "last": None}
 
 
 def _unread(source: Source) -> dict[str, Any]:
@@ -188,12 +236,10 @@ def _opened(
     size = shown.encoded.clip.frames.shape[1:3]
     if before is not None and before.encoded.clip.frames.shape[1:3] != size:
         mm_per_px = None  # it was stated of other pixels
-    notes = "\n".join(f"- {note}" for note in shown.encoded.clip.notes)
-    return NOTHING_ASKED | {
+    return nothing_asked(shown) | {
         "shown": shown,
         "source": source,
         "stage": stage.stage_of(shown, source.name, FrameSpec(mm_per_px=mm_per_px or None)),
-        "clip_notes": literal(notes),
         "framed": in_frame(facts, None),
         "mm_per_px": mm_per_px or 0,
         "chips": suggested(shown),
@@ -205,8 +251,8 @@ def _closed(
     facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None
 ) -> Filled:
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
-    return NOTHING_ASKED | {
-        **{"shown": None, "source": None, "stage": {}, "clip_notes": "", "chips": []},
+    return nothing_asked(None) | {
+        **{"shown": None, "source": None, "stage": {}, "chips": []},
         "framed": in_frame(facts, None),
         "mm_per_px": mm_per_px if before is None else 0,
         "saving": offered(None, None),

@@ -1,31 +1,141 @@
-// The page's small parts, each of which is run by the name of its class: questions to try, examples,
-// and what can be saved. `element`, `props`, `trigger` and `watch` are the toolkit's.
+// The page's small parts, each of which is run by the name of its class. `element`, `props`,
+// `trigger` and `watch` are the toolkit's. All text is set as text: nothing of it is markup.
 
-function showButtons(place, names, told) {
-  place.replaceChildren(...names.map((name) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = told(name).label;
-    button.onclick = () => trigger("click", told(name).click);
-    return button;
-  }));
+function made(kind, className, text, ...inside) {
+  const one = document.createElement(kind);
+  if (className) one.className = className;
+  if (text) one.textContent = text;
+  one.append(...inside);
+  return one;
+}
+
+function button(text, act, name) {
+  const one = made("button", "", text);
+  one.type = "button";
+  one.onclick = act;
+  if (name) one.setAttribute("aria-label", name);
+  return one;
+}
+
+function table(heads, rows) {
+  const line = (cells, kind) => made("tr", "", "", ...cells.map((cell) => made(kind, "", String(cell))));
+  return made("table", "", "", line(heads, "th"), ...rows.map((row) => line(row, "td")));
+}
+
+// Moments in an answer, which a click shows: "at 1.7 s", "from 1.4 to 2.28 s".
+const MOMENT = /\b(at|from|to|until|after|before)( )(\d+(?:\.\d+)?)(?=( to \d+(\.\d+)?)? s\b)/gi;
+
+function withMoments(text) {
+  const place = made("p", "answer");
+  let end = 0;
+  for (const match of text.matchAll(MOMENT)) {
+    const [whole, word, gap, number] = match;
+    const show = button(number, () => document.dispatchEvent(new CustomEvent("seek", { detail: +number })), `Show ${number} s`);
+    place.append(text.slice(end, match.index) + word + gap, show);
+    end = match.index + whole.length;
+  }
+  place.append(text.slice(end));
+  return place;
+}
+
+const SURE = "How probable it is that this answer is right, the question's reading included. It is calibrated: of a hundred answers at 90 % about ninety are right.";
+
+function exchange({ question, answer, sure }) {
+  const block = made("div", "exchange", "", made("p", "asked", question));
+  if (answer === undefined) {
+    block.append(made("p", "waits", "Answering…", button("Stop", () => trigger("stop"))));
+    return block;
+  }
+  const told = withMoments(answer);
+  if (sure !== null) {
+    const mark = made("span", "sure", `${sure} % sure`);
+    mark.title = SURE;
+    mark.style.setProperty("--sure", `${sure}%`);
+    told.append(" ", mark);
+  }
+  block.append(told);
+  return block;
 }
 
 const parts = {
   complaint() {},
 
+  talk() {
+    const [list, clear, details] = ["list", "clear", "details"].map((name) => element.querySelector(`[data-part=${name}]`));
+    const { empty } = props.value || {}; // what stands here as long as nothing was asked
+    const show = () => {
+      const { exchanges = [], pending } = props.value || {};
+      const all = [...exchanges.map(exchange), ...(pending ? [exchange({ question: pending })] : [])];
+      if (exchanges.length && !pending) all[all.length - 1].append(button("Retry", () => trigger("retry")));
+      list.replaceChildren(...(all.length ? all : [made("p", "empty-talk", empty)]));
+      clear.hidden = !all.length;
+      list.scrollTop = list.scrollHeight;
+    };
+    clear.onclick = () => trigger("clear");
+    const drawer = () => element.closest(".tabitem").querySelector(".drawer");
+    details.onclick = () => {
+      const isOpen = drawer().classList.toggle("open");
+      details.setAttribute("aria-expanded", isOpen);
+      if (isOpen) drawer().querySelector(".drawer-close").focus();
+    };
+    document.addEventListener("keydown", (event) => {
+      if (event.key === "Escape" && drawer().classList.contains("open")) details.click();
+    });
+    watch("value", show);
+    show();
+  },
+
+  drawer() {
+    element.querySelector("button").onclick = () => element.closest(".tabitem").querySelector("[data-part=details]").click();
+  },
+
   chips() {
-    const show = () => showButtons(
-      element.firstElementChild, props.value || [], (text) => ({ label: text, click: { text } }));
+    const show = () => element.firstElementChild.replaceChildren(
+      ...(props.value || []).map((text) => button(text, () => trigger("click", { text }))));
     watch("value", show);
     show();
   },
 
   examples() {
     element.addEventListener("click", (event) => {
-      const button = event.target.closest("button");
-      if (button) trigger("click", { example: button.dataset.example });
+      const chosen = event.target.closest("button");
+      if (chosen) trigger("click", { example: chosen.dataset.example });
     });
+  },
+
+  evidence() {
+    const show = () => {
+      const { notes = [], probabilities, verdicts, band, regions, timing, about = [] } = props.value || {};
+      const inside = [];
+      if (!probabilities && !about.length) inside.push(made("p", "", "Nothing was asked yet: what an answer rests on stands here."));
+      for (const note of [...notes, ...about]) inside.push(made("p", "note", note));
+      if (probabilities) {
+        if (probabilities.length) inside.push(made("h4", "", "Calibrated probabilities"));
+        inside.push(...probabilities.map(([word, share]) => {
+          const bar = made("p", "probability", "", made("span", "", word), made("b", "", `${Math.round(100 * share)} %`));
+          bar.style.setProperty("--share", share);
+          return bar;
+        }));
+        inside.push(made("p", "note", band));
+        inside.push(made("h4", "", "Read by three methods"), table(["read by", "motion", "how"], verdicts));
+        inside.push(made("h4", "", "Seven regions"), table(["region", "shear change x", "y", "contact mass"], regions));
+        inside.push(made("p", "note", timing));
+      }
+      element.firstElementChild.replaceChildren(...inside);
+    };
+    watch("value", show);
+    show();
+  },
+
+  code() {
+    const [copy, text] = [element.querySelector("button"), element.querySelector("pre")];
+    const show = () => {
+      text.textContent = props.value || "Ask a question: the conversation stands here as a program.";
+      copy.hidden = !props.value;
+    };
+    copy.onclick = () => navigator.clipboard.writeText(props.value);
+    watch("value", show);
+    show();
   },
 
   saving() {
@@ -36,9 +146,8 @@ const parts = {
     const [bar, status] = element.querySelectorAll("[data-part]");
     const show = () => {
       const value = props.value || {}, kinds = value.kinds || [];
-      showButtons(bar, kinds, (kind) => ({ label: labels[kind], click: { kind } }));
-      status.textContent = kinds.length
-        ? "" : "Open a recording first: what is found of it is saved here.";
+      bar.replaceChildren(...kinds.map((kind) => button(labels[kind], () => trigger("click", { kind }))));
+      status.textContent = kinds.length ? "" : "Open a recording first: its track is saved here.";
       if (value.link !== undefined) {
         const link = location.origin + location.pathname + value.link;
         navigator.clipboard.writeText(link).then(

@@ -12,6 +12,7 @@ from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen
 
 from . import stage
 from .clips import LoadedClip, perceive
+from .talking import along
 from .toolkit import COMPLAINT, Filled, complaint, filling, gradio, literal, model_at
 
 if TYPE_CHECKING:
@@ -25,6 +26,11 @@ OBJECTS = (
     *("can_rim", "corner", "cable", "table_edge"),
 )
 """Shapes on offer: everyday things that no weight was trained on."""
+
+INVITES = (
+    "Set a touch by the sliders and press Simulate and ask: what truly happens and what the model "
+    "reads are drawn over each other here."
+)
 
 HEADERS = ["", "true", "read", "error"]
 
@@ -47,16 +53,13 @@ def build(answerer: Answerer) -> None:
     gr = gradio()
     parts: dict[str, Any] = {}
     with gr.Row():
-        with gr.Column(scale=4, min_width=300):
+        with gr.Column(scale=2, min_width=300):
             sliders = _sliders(gr)
             go = gr.Button("Simulate and ask", variant="primary")
             parts[COMPLAINT] = complaint()
-        with gr.Column(scale=6, min_width=320):
-            parts["stage"] = stage.build()
-            parts["sentence"] = gr.Markdown(
-                "Set a touch by the sliders: what truly happened and what the model reads are "
-                "drawn over each other here."
-            )
+        with gr.Column(scale=3, min_width=320):
+            parts["stage"] = stage.build(invites=INVITES)
+            parts["sentence"] = gr.Markdown()
             parts["facts"] = gr.Dataframe(
                 headers=HEADERS, label="Truth, reading and error", interactive=False
             )
@@ -69,9 +72,8 @@ def build(answerer: Answerer) -> None:
         except Exception:
             yield {"stage": {}, "sentence": "", "facts": None}  # of the touch before
             raise
-        truth = stage.field_of(made.truth, "truth", "true motion", "#35e0ff")
         yield {
-            "stage": stage.stage_of(made.shown, name.replace("_", " "), fields=[truth]),
+            "stage": stage.stage_of(made.shown, name.replace("_", " "), truth=made.truth),
             "sentence": f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
             "facts": [
                 [name, *(made.facts[kind][key] for kind in HEADERS[1:])]
@@ -92,11 +94,11 @@ def sentence_of(facts: Mapping[str, Any]) -> str:
 
 def truth_of(true: Mapping[str, float]) -> str:
     """Return the true motion of the contact with all its components."""
-    return (
-        f"True, about the middle of the contact: {true['rotation_deg']:+.1f} degrees clockwise, "
-        f"{true['slide_x_px']:+.1f} px right, {true['slide_y_px']:+.1f} px down, "
-        f"{true['press_mm']:+.2f} mm inward."
-    )
+    numbers = true["rotation_deg"], true["slide_x_px"], true["slide_y_px"]
+    depth = true["press_mm"]
+    pressed = f"{abs(depth):.2f} mm {'inward' if depth > 0 else 'outward'}" if depth else ""
+    parts = ", ".join(filter(None, [along(*numbers), pressed])) or "at rest"
+    return f"True, about the middle of the contact: {parts}."
 
 
 def _sliders(gr: Any) -> list[Any]:

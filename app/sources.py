@@ -26,7 +26,11 @@ from .schema import Listing, StoredRecording
 
 EXAMPLE_FOLDER = Path(__file__).parent / "examples"
 
-EXAMPLES = {f"example:{path.stem}": path for path in sorted(EXAMPLE_FOLDER.glob("*.npz"))}
+RECORDING_FOLDER = Path(__file__).parent / "recordings"
+
+EXAMPLES = {f"example:{path.stem}": path for path in sorted(EXAMPLE_FOLDER.glob("*.npz"))} | {
+    f"example:recording_{path.stem}": path for path in sorted(RECORDING_FOLDER.glob("*.mov"))
+}
 """Paths of the recordings on offer, by the names that tools take."""
 
 FILE_ROUTE = "/gradio_api/file="

@@ -9,7 +9,7 @@ class Received {
   begin(stream) {
     this.stream = stream;
     this.images = [];
-    this.touched = [];
+    this.outlines = [];
     this.x = [];
     this.numbers = [];
     this.idle = null;
@@ -20,20 +20,21 @@ class Received {
     if (this.stream !== value.stream) this.begin(value.stream);
     const given = value.picture;
     const [image, idle] = await Promise.all(
-      [given && given.image, value.idle].map((one) => (one ? loadImage(one) : null)));
+      [given && given.image, value.idle].map((address) => (address ? loadImage(address) : null)));
     if (this.stream !== value.stream) return null;
     if (idle) this.idle = pixelsOf(idle);
     if (image && !(given.at <= this.x[this.x.length - 1])) this.add(given, image);
-    return { ...value, frames: this.images, x: this.x, numbers: this.numbers, rate: this.rate };
+    const { outlines, x, numbers, rate } = this;
+    return { ...value, count: this.images.length, outlines, x, numbers, rate };
   }
 
   add(given, image) {
     this.images.push(image);
-    this.touched.push(given.touched ? maskCanvas(given.touched) : null);
+    this.outlines.push(given.outline);
     this.x.push(given.at);
     this.numbers.push(given.number);
     if (this.images.length <= MOST_PICTURES) return;
-    for (const name of ["images", "touched", "x", "numbers"]) {
+    for (const name of ["images", "outlines", "x", "numbers"]) {
       const last = this[name].length - 1;
       this[name] = this[name].filter((_, k) => (last - k) % 2 === 0);
     }
@@ -50,21 +51,21 @@ const part = (name) => element.querySelector(`[data-part="${name}"]`);
 const picture = part("picture"), scrub = part("scrub"), playButton = part("play");
 const timeline = new Timeline(part("time"));
 const wantsRest = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-const layers = { arrows: true, contact: false, difference: false, depth: false, truth: true };
+const layers = { arrows: true, contact: true, shear: false, difference: false, depth: false, truth: true };
 const LAYER_NAMES = {
-  arrows: "Arrows", truth: "True motion", contact: "Contact", difference: "Difference", depth: "Depth",
+  contact: "Contact", arrows: "Motion", truth: "True motion", shear: "Shear", difference: "Difference", depth: "Depth",
 };
-let data = null, images = [], idle = null, masks = [], depths = [];
+let data = null, images = [], idle = null, depths = [];
 let frame = 0, isPlaying = false, isFollowing = false, began = 0, beganAt = 0;
-let wanted = null, stale = null;
+let shows = 0, stale = null;
 const received = new Received();
 
-async function show(value) {
-  const isOpen = Boolean(value && (value.frames || value.stream));
-  wanted = isOpen ? value.stream || value.key : null;
-  if (!isOpen) showNothing();
-  else if (value.stream) await showStream(value);
-  else await showRecording(value);
+async function show(given) {
+  shows += 1;
+  const value = given && given.json ? JSON.parse(given.json) : given; // as of `toolkit.sent`
+  if (value && value.stream) await showStream(value, shows);
+  else if (value && value.pack) await showRecording(value, shows);
+  else showNothing();
 }
 
 function showNothing() {
@@ -81,30 +82,28 @@ function showNothing() {
   draw();
 }
 
-async function showRecording(value) {
-  const isSame = data && data.frames && data.frames.length === value.frames.length
-    && data.frames[0] === value.frames[0] && data.name === value.name;
+async function showRecording(value, turn) {
+  const isSame = data && data.pack === value.pack && data.name === value.name;
   data = value;
   received.begin(null);
   if (!isSame) images = [];
   title();
   scrub.min = 0;
   timeline.show(data);
-  const overlays = data.overlays || {};
-  const load = async (list) => Promise.all((list || []).map(loadImage));
-  const loaded = isSame ? images : await load(data.frames);
-  const idleImage = data.idle ? await loadImage(data.idle) : null;
-  const depthImages = await load(overlays.depth);
-  if (wanted !== value.key) return; // another one was opened meanwhile
-  images = loaded;
-  depths = depthImages;
-  idle = idleImage ? pixelsOf(idleImage) : null;
-  masks = overlays.contact ? [maskCanvas(overlays.contact.mask)] : [];
-  showLayers();
   if (!isSame) {
+    const all = await imagesOf(value.pack);
+    if (turn !== shows && (!data || data.pack !== value.pack)) return; // another was opened meanwhile
+    images = all ? all.slice(0, value.count) : [];
+    for (const image of images) image.addEventListener("load", () => image === images[frame] && draw());
+    const [idleImage] = all && value.has_idle ? all.slice(value.count) : [];
+    depths = all ? all.slice(value.count + (value.has_idle ? 1 : 0)) : [];
+    if (idleImage) await idleImage.decode().catch(() => null);
+    if (turn !== shows && (!data || data.pack !== value.pack)) return;
+    idle = idleImage && idleImage.naturalWidth ? pixelsOf(idleImage) : null;
     go(0);
     if (!wantsRest) play();
   }
+  showLayers();
   draw();
   element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
 }
@@ -112,19 +111,17 @@ async function showRecording(value) {
 // While it is live the newest picture is shown, unless another one was looked for.
 async function showStream(value) {
   const isNew = !data || data.stream !== value.stream, place = isNew ? 0 : data.x[frame];
-  const told = await received.with(value);
-  if (!told || wanted !== value.stream) return;
-  data = told;
+  const merged = await received.with(value);
+  if (!merged || received.stream !== value.stream) return;
+  data = merged;
   ({ images, idle } = received);
-  masks = received.touched;
   depths = [];
   if (isNew) {
     isPlaying = false;
     isFollowing = true;
-    timeline.rows = 2;
   }
   title();
-  const oldest = data.x.findIndex((one) => one >= data.window[0]);
+  const oldest = data.x.findIndex((time) => time >= data.window[0]);
   scrub.min = Math.max(oldest, 0);
   timeline.show(data);
   showLayers();
@@ -150,9 +147,10 @@ function title() {
   part("about").textContent = data ? data.about : "";
   part("live").hidden = !(data && data.live);
   part("notes").textContent = ((data && data.notes) || []).join(" ");
+  part("zoom").hidden = part("legend").hidden = !(data && data.timeline);
   playButton.disabled = scrub.disabled = !data;
   if (!data) return;
-  scrub.max = data.frames.length - 1;
+  scrub.max = data.count - 1;
   const how = data.stream ? "watched" : "playing";
   picture.setAttribute("aria-label", `${data.name}, ${how}: its frames with what the model reads`);
   part("time").setAttribute("aria-label", timelineLabel());
@@ -160,20 +158,20 @@ function title() {
 
 function timelineLabel() {
   if (data.timeline) {
-    const told = data.timeline.events.map((one) => `${one.name} ${one.far}`.trim());
-    return `Timeline: ${told.join("; ") || "nothing moves"}`;
+    const all = data.timeline.lanes.flatMap((lane) => lane.events).sort((a, b) => a.begin - b.begin);
+    return `Timeline: ${all.map((event) => event.text).join("; ") || "nothing moves"}`;
   }
-  const rows = data.step ? data.step.rows.map((one) => `${one.name}: ${one.text}`) : [];
-  return `Timeline: ${(data.step && data.step.told) || rows.join("; ") || "being read"}`;
+  const rows = data.step ? data.step.rows.map((row) => `${row.name}: ${row.text}`) : [];
+  return `Timeline: ${(data.step && data.step.text) || rows.join("; ") || "being read"}`;
 }
 
 function showLayers() {
   const has = {
-    arrows: data.overlays, contact: data.overlays, difference: idle,
-    depth: depths.length, truth: data.overlays && data.overlays.fields.some((one) => one.key === "truth"),
+    contact: data.outlines, arrows: data.motion || data.timeline, shear: data.shear,
+    difference: idle, depth: depths.length, truth: data.truth,
   };
   const names = Object.keys(LAYER_NAMES).filter((name) => has[name]);
-  const shown = [...part("layers").children].map((one) => one.dataset.layer);
+  const shown = [...part("layers").children].map((button) => button.dataset.layer);
   if (shown.join() === names.join()) return; // a button that is being used stays
   const buttons = names.map((name) => {
     const button = document.createElement("button");
@@ -193,15 +191,16 @@ function showLayers() {
 
 function draw() {
   const ratio = window.devicePixelRatio || 1;
-  if (data) picture.parentElement.style.aspectRatio = `${data.aspect}`;
   const box = picture.getBoundingClientRect();
-  const size = [Math.max(box.width, 1), Math.max(box.height, 1)];
-  picture.width = Math.round(size[0] * ratio);
-  picture.height = Math.round(size[1] * ratio);
+  picture.width = Math.round(Math.max(box.width, 1) * ratio);
+  picture.height = Math.round(Math.max(box.height, 1) * ratio);
   const context = picture.getContext("2d");
-  context.scale(ratio, ratio);
+  showResult();
   const image = images[frame];
-  if (!data || !image) return;
+  if (!data || !image || !image.naturalWidth) return;
+  // As large as it fits, in the shape of the camera.
+  const wide = Math.min(box.width, box.height * data.aspect), size = [wide, wide / data.aspect];
+  context.setTransform(ratio, 0, 0, ratio, ratio * (box.width - size[0]) / 2, ratio * (box.height - size[1]) / 2);
   let seen = image;
   if (layers.difference && idle) seen = differenceOf(image, idle);
   if (layers.depth && depths[frame]) seen = depths[frame];
@@ -211,40 +210,65 @@ function draw() {
 }
 
 function drawLayers(context, size) {
-  const overlays = data.overlays, lines = [];
-  if (!overlays) return;
-  const k = data.timeline ? nearest(data.timeline.x, data.x[frame]) : 0;
-  const mask = data.stream ? masks[frame] : masks[0];
-  if (layers.contact && mask) {
-    const touch = data.timeline && !data.stream ? data.timeline.panels[2].curves[0].mean[k] : 1;
-    if (touch >= 0.5) drawContact(context, size, overlays.contact, mask, touch);
-    lines.push({ text: overlays.contact.told });
+  const lines = [], outlines = data.outlines || [];
+  const polygons = outlines[Math.min(frame, outlines.length - 1)] || [];
+  if (layers.contact && polygons.length) {
+    drawContact(context, size, polygons);
+    lines.push({ text: "where the gel has changed" });
   }
-  if (layers.depth && depths[frame]) lines.push({ text: `bright: ${overlays.deepest_mm} mm deep` });
+  if (layers.depth && depths[frame]) lines.push({ text: `bright: ${data.deepest_mm} mm deep` });
   if (layers.difference && idle) lines.push({ text: "change against the idle gel, four times" });
-  for (const field of overlays.fields) {
-    const isTruth = field.key === "truth";
-    if (isTruth ? !layers.truth : !layers.arrows || data.timeline) continue;
-    drawField(context, size, field);
-    const named = overlays.fields.length > 1 ? `${field.label}: ` : "";
-    if (field.ends.length) lines.push({ ...field.legend, colour: field.colour, text: `${named}${field.legend.text}` });
-  }
-  if (layers.arrows && data.timeline) {
-    const panels = data.timeline.panels, corners = overlays.contact.corners;
-    const middle = [0, 1].map((axis) => (corners[0][axis] + corners[1][axis]) / 2);
-    const turn = panels[0].curves[0].mean[k];
-    drawWay(context, size, { middle, travel: data.timeline.way[k], turn });
-    // No "-0.0" of what rounds to nothing.
-    const rounded = (value, digits) => (Number(value.toFixed(digits)) + 0).toFixed(digits);
-    const far = panels[1].curves.map((one) => rounded(one.mean[k], 1));
-    lines.push({ text: `since the start: ${rounded(turn, 0)}°, ${far[0]} ${panels[1].unit} right, ${far[1]} down` });
+  const field = (ends, colour, text) => {
+    if (!ends || !ends.length) return;
+    drawField(context, size, ends, colour);
+    lines.push({ colour, text });
+  };
+  if (layers.shear) field(data.shear, "#ff9df0", "learned shear change, no unit");
+  if (layers.truth) field(data.truth, "#35e0ff", "true motion, to scale");
+  const motion = layers.arrows && polygons.length && (data.timeline ? motionNow() : data.motion);
+  if (motion) {
+    const when = data.timeline ? `of the next ${LOOK_AHEAD_S} s` : "from the first to the last frame";
+    field(rigidArrows(size, polygons, (motion.turn * Math.PI) / 180, motion.travel), "#ffdc00", `motion ${when}, to scale`);
   }
   drawLegend(context, size, lines);
 }
 
+// The turn and the slide that go on at this moment; null at rest.
+function motionNow() {
+  const { x, way, lanes } = data.timeline, now = data.x[frame];
+  const going = (name) => timeline.eventsAt(now, [name]).length > 0;
+  if (!going("turn") && !going("slide")) return null;
+  const ahead = data.unit === "s" ? LOOK_AHEAD_S : LOOK_AHEAD_S * data.rate;
+  const until = Math.min(now + ahead, x[x.length - 1]), [a, b] = [nearest(x, now), nearest(x, until)];
+  const turned = lanes.find((lane) => lane.name === "turn").curves[0].mean;
+  return {
+    turn: going("turn") ? turned[b] - turned[a] : 0,
+    travel: going("slide") ? [way[b][0] - way[a][0], way[b][1] - way[a][1]] : [0, 0],
+  };
+}
+
+// The turn or slide that goes on, else the last one: in the words of the timeline.
+function showResult() {
+  const text = data ? resultText() : "";
+  part("result").hidden = !text;
+  part("result").textContent = text;
+}
+
+function resultText() {
+  if (data.step) return data.step.text;
+  if (!data.timeline) return data.pending ? "reading the motion…" : "";
+  const now = data.x[frame];
+  const moves = data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
+  const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
+  const going = begun.filter((event) => event.end >= now);
+  const unit = data.unit === "s" ? " s" : "", digits = data.unit === "s" ? 2 : 0;
+  const words = (event) => [event.text, `${data.unit === "s" ? "" : "frames "}${+event.begin.toFixed(digits)} to ${+event.end.toFixed(digits)}${unit}`, event.span].filter(Boolean).join(", ");
+  return (going.length ? going : begun.slice(-1)).map(words).join(" · ");
+}
+
 function go(place) {
-  if (!data || !data.frames.length) return;
-  frame = Math.min(Math.max(Math.round(place), Number(scrub.min)), data.frames.length - 1);
+  if (!data || !data.count) return;
+  frame = Math.min(Math.max(Math.round(place), Number(scrub.min)), data.count - 1);
   scrub.value = frame;
   const when = data.x[frame], number = data.numbers[frame];
   part("clock").textContent = data.unit === "s" ? `${when.toFixed(2)} s` : `frame ${number}`;
@@ -261,7 +285,7 @@ function play() {
     shownAsPlaying();
     return;
   }
-  if (frame >= data.frames.length - 1) go(Number(scrub.min));
+  if (frame >= data.count - 1) go(Number(scrub.min));
   isPlaying = true;
   began = performance.now();
   beganAt = frame;
@@ -283,15 +307,15 @@ function shownAsPlaying() {
 
 function advance(now) {
   if (!isPlaying || !data || !element.isConnected) return;
-  const count = data.frames.length;
-  let wanted = placeAfter((now - began) / 1000);
-  if (wanted >= count && !data.loops) {
+  const count = data.count;
+  let place = placeAfter((now - began) / 1000);
+  if (place >= count && !data.loops) {
     go(count - 1);
     pause();
     return;
   }
-  wanted = Math.floor(wanted) % count;
-  if (wanted !== frame && element.offsetParent !== null) go(wanted);
+  place = Math.floor(place) % count;
+  if (place !== frame && element.offsetParent !== null) go(place);
   requestAnimationFrame(advance);
 }
 
@@ -316,42 +340,52 @@ scrub.oninput = () => seek(Number(scrub.value));
 picture.onclick = playButton.onclick;
 element.addEventListener("keydown", (event) => {
   const steps = { ArrowLeft: frame - 1, ArrowRight: frame + 1, Home: 0, End: 1e9 };
+  const zooms = { "+": 2, "-": 0.5, 0: 0 };
   if (event.key === " " && event.target.tagName !== "BUTTON") playButton.click();
   else if (event.key in steps) seek(steps[event.key]);
+  else if (event.key in zooms) timeline.zoom(zooms[event.key]);
   else return;
   event.preventDefault();
 });
+document.addEventListener("seek", (event) => {
+  if (data && data.timeline && element.offsetParent) seek(nearest(data.x, event.detail));
+});
 
-const tip = part("tip");
+const tip = part("tip"), time = part("time");
 let isDragging = false;
-const toPlace = (event) => {
-  const box = part("time").getBoundingClientRect();
-  return timeline.valueAt(event.clientX - box.left);
-};
-part("time").addEventListener("pointerdown", (event) => {
+const toPlace = (event) => timeline.valueAt(event.clientX - time.getBoundingClientRect().left);
+time.addEventListener("pointerdown", (event) => {
   if (!data) return;
   isDragging = true;
-  part("time").setPointerCapture(event.pointerId);
+  time.setPointerCapture(event.pointerId);
   seek(nearest(data.x, toPlace(event)));
 });
-part("time").addEventListener("pointermove", (event) => {
+time.addEventListener("pointermove", (event) => {
   if (!data) return;
   const value = toPlace(event);
   if (isDragging) seek(nearest(data.x, value));
   if (!data.timeline) return;
-  tip.textContent = timeline.toldAt(value);
+  tip.textContent = timeline.textAt(value);
   tip.hidden = false;
   const box = element.getBoundingClientRect();
   const left = Math.min(event.clientX - box.left + 14, box.width - tip.offsetWidth - 4);
   tip.style.left = `${left}px`;
-  tip.style.top = `${part("time").getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
+  tip.style.top = `${time.getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
 });
 for (const ending of ["pointerup", "pointercancel", "pointerleave"]) {
-  part("time").addEventListener(ending, () => {
+  time.addEventListener(ending, () => {
     isDragging = false;
     if (ending !== "pointerup") tip.hidden = true;
   });
 }
+// With a key held the wheel zooms; once a part is shown it moves that part along.
+time.addEventListener("wheel", (event) => {
+  if (event.ctrlKey || event.metaKey) timeline.zoom(event.deltaY < 0 ? 1.25 : 0.8, toPlace(event));
+  else if (timeline.view) timeline.pan(((event.deltaX || event.deltaY) / timeline.width) * (timeline.span[1] - timeline.span[0]));
+  else return;
+  event.preventDefault();
+}, { passive: false });
+for (const button of part("zoom").children) button.onclick = () => timeline.zoom(Number(button.dataset.zoom));
 new ResizeObserver(() => {
   timeline.draw();
   draw();

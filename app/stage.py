@@ -1,13 +1,10 @@
 """The stage: what the browser plays of a recording, draws over it, and shows below it over time.
 
-Gathers plain values, which `stage.js` and `timeline.js` draw. Pictures travel inside the values, so
-that none lies on the disk.
+Gathers plain values, which `stage.js` and `timeline.js` draw; pictures are fetched by address.
 """
 
 from __future__ import annotations
 
-import base64
-import secrets
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,35 +16,28 @@ from numpy.typing import NDArray
 from geotlm_lm import (
     COMPONENTS,
     FRAME_COUNT,
-    SPAN_DEVIATIONS,
+    TRUE_DISPLACEMENT,
     Clip,
     Drawing,
+    Exported,
+    FrameSpec,
     Seen,
     Units,
     arrow_ends,
     camera_size,
+    change_map,
     draw_depth,
     drawing_of,
 )
 
+from .pictures import PACKS
 from .toolkit import html
 
 if TYPE_CHECKING:
-    from geotlm_lm import FrameSpec
-
     from .clips import LoadedClip
 
 MOST_FRAMES = 300
 """Of a recording that are sent; of a longer one every second, third, ..."""
-
-BUDGET_BYTES = 2_100_000
-"""Of all pictures together; in base64, as they travel, it is a third more."""
-
-QUALITIES = ((448, 88), (448, 75), (320, 75), (320, 60), (224, 60), (224, 40), (160, 40))
-"""Longer side (pixels) and JPEG quality, the best first; the first that fits is used."""
-
-SAMPLED = 6
-"""Frames that are tried to see how many bytes a quality takes."""
 
 SHORT_HZ, ASSUMED_HZ = 10.0, 25.0
 """Rate that a clip of four frames is played at, and a recording that does not tell its own."""
@@ -57,7 +47,23 @@ MOST_POINTS = 1000
 
 DEGREE = "°"
 
-OPEN_ONE = "Open an example below, or drop a recording there: it plays here."
+LANES = {
+    "contact": ("touch", "press", "release"),
+    "turn": ("turn",),
+    "slide": ("slide",),
+    "grip": ("stick", "slip"),
+}
+"""Rows of the timeline, and the kinds of events in each."""
+
+OF_MOTION = "Which way is it moving?"
+
+KINDS = {"clockwise": "turn", "counterclockwise": "turn", "press": "press", "release": "press"}
+"""Component of a way; of the others it is the slide."""
+
+FINE, LEAST_SHARE = 8, 0.004
+"""Outlines are drawn on a mask that is so many times finer, around what fills so much of it."""
+
+OPEN_ONE = "Open a recording below, or drop your own there: it plays here."
 
 
 def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
@@ -73,55 +79,51 @@ def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
 
 
 def stage_of(
-    shown: LoadedClip, name: str, frame: FrameSpec | None = None, fields: Sequence[dict] = ()
+    shown: LoadedClip, name: str, frame: FrameSpec | None = None, truth: Seen | None = None
 ) -> dict[str, Any]:
     """Return what the stage shows of a clip that was perceived, as plain JSON values.
 
-    Of the frame of reference it needs the size of a pixel; `fields` of `field_of` are drawn beside
-    the learned one.
+    Of the frame of reference it needs the size of a pixel; the true motion is drawn beside the one
+    that is read.
     """
-    encoded = shown.encoded
+    encoded, seen = shown.encoded, shown.seen
     mm_per_px = None if frame is None else frame.mm_per_px
     clip = encoded.clip if encoded.track is None else encoded.recording
     if encoded.track is not None:
         first, last = encoded.track.numbers[0], encoded.track.numbers[-1]
         numbers = enumerate(clip.frame_numbers)
         clip = clip.select([k for k, number in numbers if first <= number <= last])
-    values = opening(clip, name) | {"pending": False}
+    depth = []
+    if seen.depth_mm is not None:
+        deepest = float(seen.depth_mm.max())
+        depth = [draw_depth(image, image.shape, deepest) for image in seen.depth_mm]
+    values = opening(clip, name, depth) | {"pending": False}
     units = Units(clip.frames.shape[1:3], mm_per_px)
-    if encoded.track is None:
-        values["step"] = step_of(shown, units)
-    else:
-        values["timeline"] = timeline_of(drawing_of(encoded.track, units), values["unit"])
-    looked_at = encoded.clip.frame_numbers
-    when = "" if encoded.track is None else f" in frames {looked_at[0]} to {looked_at[-1]}"
-    values["overlays"] = _overlays(shown.seen, when)
-    values["overlays"]["fields"] += fields
+    if depth:
+        values["deepest_mm"] = round(deepest, 2)
+    if encoded.track is not None:
+        drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, units)
+        values["timeline"] = timeline_of(drawing, values["unit"], limits)
+        values["outlines"] = _outlines(_sent(clip), encoded.track)
+        return values
+    moved = motion_of(shown, FrameSpec(mm_per_px=mm_per_px))
+    values["step"] = step_of(moved, shown)
+    has_contact = bool(values["step"]["rows"])
+    changes = [change_map(image, seen.idle) for image in seen.frames] if has_contact else []
+    values["outlines"] = [outline(change) for change in changes]
+    values["motion"] = _told_motion(moved, shown) if has_contact else None
+    if truth is not None:
+        ends = arrow_ends(truth.shear_change, truth.mask, truth.view, TRUE_DISPLACEMENT)
+        values["truth"] = _rounded(ends if truth.has_contact else [])
+    values["shear"] = _rounded(
+        arrow_ends(seen.shear_change, seen.mask, seen.view, seen.scale) if has_contact else []
+    )
     return values
 
 
-def field_of(seen: Seen, key: str, label: str, colour: str) -> dict[str, Any]:
-    """Return arrows over the picture, with the length of the one in the legend."""
-    scale, view = seen.scale, seen.view
-    ends = arrow_ends(seen.shear_change, seen.mask, view, scale) if seen.has_contact else []
-    known = np.array([[[scale.shown, 0.0]]], np.float32)
-    ((tail, tip),) = arrow_ends(known, np.ones((1, 1), np.float32), view, scale)
-    return {
-        "key": key,
-        "label": label,
-        "colour": colour,
-        "ends": _rounded(ends),
-        "legend": {
-            "length": float(tip[0] - tail[0]),
-            "text": f"{scale.shown:g} {scale.name}",
-        },
-    }
-
-
-def opening(clip: Clip, name: str) -> dict[str, Any]:
+def opening(clip: Clip, name: str, depth: Sequence[NDArray[np.uint8]] = ()) -> dict[str, Any]:
     """Return what the stage shows of a recording before the model has looked at it."""
-    places = np.linspace(0, len(clip) - 1, min(len(clip), MOST_FRAMES)).round().astype(int)
-    kept = clip.select(places.tolist())
+    kept = _sent(clip)
     rows, columns = camera_size(*clip.frames.shape[1:3])
     numbers = np.array(kept.frame_numbers)
     seconds = np.array([kept.second_of(int(number), ASSUMED_HZ) for number in numbers])
@@ -130,16 +132,14 @@ def opening(clip: Clip, name: str) -> dict[str, Any]:
     span_s = float(seconds[-1] - seconds[0])
     rate = SHORT_HZ if is_short or span_s <= 0 else (len(kept) - 1) / span_s
     idle = [] if clip.background is None else [clip.background]
-    pictures, side = _encoded([*kept.frames, *idle])
     is_timed = clip.is_timed and not is_short
     return {
-        "key": secrets.token_hex(4),
+        "pack": PACKS.address([*kept.frames, *idle, *depth]),
         "name": name,
         "about": f"{span_s:.1f} s, {len(clip)} frames" if is_timed else f"{len(clip)} frames",
         "aspect": columns / rows,
-        "frames": pictures[: len(kept)],
-        "idle": pictures[-1] if idle else None,
-        "side": side,
+        "count": len(kept),
+        "has_idle": bool(idle),
         "numbers": numbers.tolist(),
         "x": _rounded(seconds if unit == "s" else numbers),
         "unit": unit,
@@ -149,59 +149,111 @@ def opening(clip: Clip, name: str) -> dict[str, Any]:
     }
 
 
-def _encoded(images: list[NDArray[np.uint8]]) -> tuple[list[str], int]:
-    """Return pictures as data addresses, as good as the budget allows, and their longer side."""
-    sample = [images[k] for k in np.linspace(0, len(images) - 1, SAMPLED).round().astype(int)]
-    for side, quality in QUALITIES:
-        size = sum(len(_jpeg(image, side, quality)) for image in sample) / len(sample)
-        if size * len(images) <= BUDGET_BYTES:
-            break
-    return [jpeg_address(image, side, quality) for image in images], side
+def _sent(clip: Clip) -> Clip:
+    places = np.linspace(0, len(clip) - 1, min(len(clip), MOST_FRAMES)).round().astype(int)
+    return clip.select(places.tolist())
 
 
-def _jpeg(image: NDArray[np.uint8], side: int, quality: int) -> bytes:
-    scale = side / max(image.shape[:2])
-    if scale < 1:
-        size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
-        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-    options = [cv2.IMWRITE_JPEG_QUALITY, quality]
-    return cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), options)[1].tobytes()
+def outline(mask: NDArray[np.floating]) -> list[list[list[float]]]:
+    """Return polygons around where a mask of the picture is above one half, in shares of it."""
+    fine = cv2.resize(np.float32(mask), None, fx=FINE, fy=FINE, interpolation=cv2.INTER_CUBIC)
+    fine = cv2.GaussianBlur(fine, (0, 0), FINE / 3)
+    inside = np.pad((fine > 0.5).astype(np.uint8), 1)  # closed at the picture's border
+    rings, _ = cv2.findContours(inside, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    size = np.array(fine.shape[::-1])
+    polygons = []
+    for ring in rings:
+        if cv2.contourArea(ring) >= LEAST_SHARE * fine.size:
+            points = (cv2.approxPolyDP(ring, 0.6, True)[:, 0] - 0.5) / size
+            polygons.append(_rounded(np.clip(points, 0, 1), 3))
+    return polygons
 
 
-def jpeg_address(image: NDArray[np.uint8], side: int, quality: int) -> str:
-    """Return a picture as a data address, made smaller where its longer side is beyond `side`."""
-    return _address(_jpeg(image, side, quality), "jpeg")
+def _outlines(clip: Clip, track: Any) -> list[list]:
+    """Return where each frame of a recording differs from the idle gel while it is touched."""
+    if clip.background is None:
+        return [[]]
+    touched = np.interp(clip.frame_numbers, track.numbers, track.is_touched) >= 0.5
+    return [
+        outline(change_map(frame, clip.background)) if is_touched else []
+        for frame, is_touched in zip(clip.frames, touched, strict=True)
+    ]
 
 
-def _address(content: bytes, kind: str) -> str:
-    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+def motion_of(shown: LoadedClip, frame: FrameSpec) -> Any:
+    """Return what a clip does as its words tell it: the value of a question, asked aside."""
+    session = shown.session
+    return session.answerer.session(session.encoded, frame=frame).ask(OF_MOTION).values[0]
 
 
-def _overlays(seen: Seen, when: str) -> dict[str, Any]:
-    corners = seen.view.in_picture(np.array([[0.0, 0.0], [1.0, 1.0]]))
-    overlays: dict[str, Any] = {
-        "contact": {
-            "mask": _rounded(seen.mask, 2),
-            "corners": _rounded(corners),
-            "told": f"red: where it touches{when}",
-        },
-        "fields": [field_of(seen, "belief", "what the model reads", "#ffdc00")],
-    }
-    if seen.depth_mm is not None:
-        deepest = float(seen.depth_mm.max())
-        drawn = (draw_depth(depth, depth.shape, deepest) for depth in seen.depth_mm)
-        overlays["depth"] = [_png_address(image) for image in drawn]
-        overlays["deepest_mm"] = round(deepest, 2)
-    return overlays
+def step_of(moved: Any, shown: LoadedClip) -> dict[str, Any]:
+    """Return each component of a short clip's motion, from end to end, and its detection limit."""
+    from geotlm_lm import LEAST_SURE  # with the model's libraries
+
+    belief = shown.encoded.belief
+    if not shown.seen.has_contact or belief.contact < LEAST_SURE:
+        return {"rows": [], "text": "No contact is seen: no motion is claimed."}
+    movements = {_kind_of(movement): movement for movement in _movements(moved)}
+    first = next(iter(movements), None)  # the largest
+    rows = {part.value: _row(belief, part, movements.get(part.value)) for part in COMPONENTS}
+    return {"rows": list(rows.values()), "text": rows[first]["text"] if first else "does not move"}
 
 
-def _png_address(image: NDArray[np.uint8]) -> str:
-    png = cv2.imencode(".png", cv2.cvtColor(image, cv2.COLOR_RGB2BGR))[1].tobytes()
-    return _address(png, "png")
+def _movements(moved: Any) -> tuple[Any, ...]:
+    return getattr(moved, "movements", ())
 
 
-def timeline_of(drawing: Drawing, unit: str, since_s: float = -np.inf) -> dict[str, Any]:
-    """Return the curves of a track with the spans that hold nine tenths, and its events.
+def _kind_of(movement: Any) -> str:
+    return KINDS.get(movement.way.value, "slide")
+
+
+def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
+    row = {"name": component.value, "moves": movement is not None}
+    if movement is None:
+        limit = "" if component not in belief.limits else _limit(belief, component)
+        is_readable = belief.readable.get(component, True)
+        return row | {"text": f"none{limit}" if is_readable else "not visible in these pictures"}
+    aslant = "" if movement.aslant is None else f" and a little {movement.aslant.value}"
+    way, sure = f"{movement.way.value}{aslant}", round(100 * movement.chance)
+    if movement.amount is None:
+        return row | {"text": way, "sure": sure}
+    measured = movement.amount
+    unit = DEGREE if measured.unit == "deg" else f" {measured.unit}"
+    low, high = measured.span
+    span = {"mean": measured.mean, "low": low, "high": high}
+    far = f"{measured.value:g}{unit}"
+    text = f"{far} {way}" if component.value == "slide" else f"{way} {far}"
+    text = f"{text}, {low:g} to {high:g}"
+    return row | {"text": text, "sure": sure} | {name: float(span[name]) for name in span}
+
+
+def _limit(belief: Any, component: Any) -> str:
+    unit = {"turn": DEGREE, "slide": " px", "press": " mm"}[component.value]
+    return f" beyond {belief.at_limit.amount(component):.2g}{unit}"
+
+
+def _told_motion(moved: Any, shown: LoadedClip) -> dict[str, Any] | None:
+    """Return the turn (degrees) and the travel (shares of the picture) that are told, if any."""
+    kinds = {_kind_of(movement) for movement in _movements(moved)}
+    if not kinds & {"turn", "slide"}:
+        return None
+    mean = shown.encoded.belief.mean
+    slide = np.float32([[[mean.right_px, mean.down_px]]]) * ("slide" in kinds)
+    one_cell = np.ones((1, 1), np.float32)
+    ((begin, end),) = arrow_ends(slide, one_cell, shown.seen.view, TRUE_DISPLACEMENT)
+    return {"turn": float(mean.turn_deg) * ("turn" in kinds), "travel": _rounded(end - begin)}
+
+
+def limits_of(track: Any, units: Units) -> dict[str, float | None]:
+    """Return how far a turn and a slide have to go to be seen at all."""
+    totals = Exported(track, units.mm_per_px).totals() if len(track) else {}
+    return {name: totals.get(f"{name}_limit") for name in ("turn", "slide")}
+
+
+def timeline_of(
+    drawing: Drawing, unit: str, limits: dict[str, float | None], since_s: float = -np.inf
+) -> dict[str, Any]:
+    """Return a row for each kind of event, with its curves and the spans that hold nine tenths.
 
     The axis is in "s", or "frame" where the times are not known. The way is that since the track's
     own begin, whatever `since_s`.
@@ -209,93 +261,49 @@ def timeline_of(drawing: Drawing, unit: str, since_s: float = -np.inf) -> dict[s
     places = np.flatnonzero(drawing.times_s >= since_s)
     if len(places) > MOST_POINTS:
         places = places[np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)]
-    travel = drawing.units.name
-    panels = [
-        {"name": "turn", "unit": DEGREE, "told": "turn, clockwise up"},
-        {"name": "travel", "unit": travel, "told": f"travel in {travel}: right, dashed: down"},
-        {"name": "contact", "unit": "", "range": [0, 1], "told": "contact"},
+    bands = [band for band in drawing.bands if band.event.end_s >= since_s]
+    curves = {"contact": "contact", "turn": "turn", "slide": "travel"}
+    of_unit = {"contact": "", "turn": DEGREE, "slide": drawing.units.name, "grip": ""}
+    lanes = [
+        {
+            "name": lane,
+            "unit": of_unit[lane],
+            "limit": limits.get(lane),
+            "events": [_event(band, unit) for band in bands if band.event.kind in kinds],
+            "curves": [
+                _curve(curve, places) for curve in drawing.curves if curve.panel == curves.get(lane)
+            ],
+        }
+        for lane, kinds in LANES.items()
     ]
-    for panel in panels:
-        curves = (curve for curve in drawing.curves if curve.panel == panel["name"])
-        panel["curves"] = [_curve(curve, places) for curve in curves]
     return {
         "x": _rounded((drawing.times_s if unit == "s" else drawing.numbers)[places]),
-        "panels": panels,
-        "events": [_event(band, unit) for band in drawing.bands if band.event.end_s >= since_s],
+        "lanes": lanes,
         # The way in shares of the picture, drawn as long as it is.
         "way": _rounded(drawing.arrows[places]),
     }
 
 
-def step_of(shown: LoadedClip, units: Units) -> dict[str, Any]:
-    """Return what is believed of a short clip: each component's way and amount, from end to end."""
-    from geotlm_lm import LEAST_SURE  # with the model's libraries
-
-    belief = shown.encoded.belief
-    if not shown.seen.has_contact or belief.contact < LEAST_SURE:
-        return {"rows": [], "told": "No contact is seen: no motion is claimed."}
-    return {"rows": [_row(belief, part, units) for part in COMPONENTS], "told": ""}
-
-
-def _row(belief: Any, component: Any, units: Units) -> dict[str, Any]:
-    from geotlm_lm import LEAST_SURE
-
-    moves = belief.moves(component)
-    row = {"name": component.value, "moves": moves >= LEAST_SURE}
-    unit, factor = _unit_of(belief, component, units)
-    if not belief.readable.get(component, True):
-        return row | {"moves": False, "text": "cannot be told from these pictures"}
-    if not row["moves"]:
-        unseen = _unseen(belief, component, unit, factor)
-        return row | {"text": f"{unseen}{100 * (1 - moves):.0f} % sure"}
-    way = belief.way(component)
-    share = belief.share(way, component)
-    if share < LEAST_SURE:
-        return row | {"text": "yes, but not which way"}
-    mean = factor * belief.amount(component)
-    spread = factor * SPAN_DEVIATIONS * belief.deviation(component)
-    far = _far(mean, mean - spread, mean + spread, unit)
-    return row | {"text": f"{way.value} {far}, {100 * moves * share:.0f} % sure"}
-
-
-def _unseen(belief: Any, component: Any, unit: str, factor: float) -> str:
-    """Return that a component is not seen to move, and up to which amount that is so."""
-    if component not in belief.limits:
-        return "none, "
-    limit = factor * belief.at_limit.amount(component)
-    return f"none beyond {limit:.2g}{'' if unit == DEGREE else ' '}{unit}, "
-
-
-def _unit_of(belief: Any, component: Any, units: Units) -> tuple[str, float]:
-    """Return the unit of a component, and what belief's own is of it along the way."""
-    if component.value != "slide":
-        return {"turn": DEGREE, "press": "mm"}[component.value], 1.0
-    way = belief.mean.right_px, belief.mean.down_px
-    length = float(np.hypot(*way))
-    scaled = float(np.hypot(*units.travelled(*way)))
-    return units.name, scaled / length if length else units.travel[1][0]
-
-
 def _event(band: Any, axis_unit: str) -> dict[str, Any]:
     event, unit = band.event, DEGREE if band.unit == "deg" else band.unit
     is_timed = axis_unit == "s"
+    begin, end = (event.begin_s, event.end_s) if is_timed else (event.begin, event.end)
+    way = band.name.removeprefix(event.kind.value).strip()
+    far = _figure(band.amount, unit) if unit else ""
+    text = {"turn": f"{way} {far}", "slide": f"{far} {way}", "stick": "held", "slip": "slip"}
     return {
         "kind": event.kind.value,
-        "name": band.name,
-        "begin": round(float(event.begin_s if is_timed else event.begin), 4),
-        "end": round(float(event.end_s if is_timed else event.end), 4),
-        "far": _far(band.amount, band.low, band.high, unit) if unit else "",
+        "text": text.get(event.kind.value, f"{event.kind.value} {far}").strip(),
+        "begin": round(float(begin), 4),
+        "end": round(float(end), 4),
+        "span": f"{_figure(band.low)} to {_figure(band.high)}" if unit else "",
         "sure": round(100 * event.probability),
     }
 
 
-def _far(mean: float, low: float, high: float, unit: str) -> str:
-    gap = "" if unit == DEGREE else " "
-    middle, least, most = (
-        f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
-        for value in (mean, max(low, 0.0), high)
-    )
-    return f"{middle}{gap}{unit} ({least} to {most})"
+def _figure(value: float, unit: str = "") -> str:
+    text = f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
+    return f"{text}{'' if unit in ('', DEGREE) else ' '}{unit}"
 
 
 def _curve(curve: Any, places: NDArray) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields, replace
-from html import escape, unescape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +11,12 @@ from geotlm_lm import FrameSpec, GeoTLMError, Motion
 
 from . import stage
 from .clips import LoadedClip
-from .conversation import facts_of, fields_of, in_frame, suggested
-from .opening import NOTHING_ASKED, Source, offered
-from .toolkit import Filled, literal
+from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
+from .opening import Source, about_clip, nothing_asked, offered
+from .toolkit import Filled
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
-
-Messages = list[dict[str, Any]]
 
 
 def _whole(shown: LoadedClip, source: Source) -> dict[str, Any]:
@@ -32,20 +29,26 @@ def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source
     timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     # What is to be known of the answer; the clip's own notes stand beside the clip.
     notes = [note for note in answer.notes if note not in shown.encoded.clip.notes]
-    return {
-        "notes": literal("\n".join(f"- {note}" for note in notes)),
-        "probabilities": dict(answer.options),
+    likeliest = sorted(answer.options.items(), key=lambda option: -option[1])
+    evidence = about_clip(shown) | {
+        "notes": notes,
+        "probabilities": likeliest[:MOST_OPTIONS],
         "band": _band(answerer, details),
         "verdicts": _verdicts(answer, details, shown.opinions),
         "regions": [
-            [name.replace("_", " "), *(values[key] for key in REGION_VALUES)]
+            [name.replace("_", " "), *(round(values[key], 3) for key in REGION_VALUES)]
             for name, values in details.get("evidence", {}).get("regions", {}).items()
         ],
         "timing": " · ".join(f"{name} {value:.1f} ms" for name, value in timing_ms.items()),
+    }
+    return {
+        "evidence": evidence,
         "code": code_of(source, [turn.question for turn in shown.session.history], shown),
         "saving": offered(shown, source.example),
     }
 
+
+MOST_OPTIONS = 5
 
 REGION_VALUES = ("shear_change_x", "shear_change_y", "contact_mass")
 
@@ -62,28 +65,29 @@ class Talking:
     def ask(
         self,
         question: str,
-        chat: Messages,
         shown: LoadedClip | None,
         source: Source | None,
         facts: list[str],
         mm_per_px: float | None,
     ) -> Iterator[Filled]:
         """Answer the next question of the conversation, or take a fact about the recording."""
+        if not question:  # the second of two clicks
+            return
         if shown is None:
-            raise GeoTLMError("No recording is open; upload a clip first.")
+            raise GeoTLMError("No recording is open; open one first.")
         session, size_before = shown.session, shown.session.frame.mm_per_px
         session.frame = replace(session.frame, **fields_of(facts), mm_per_px=mm_per_px or None)
-        answer = session.ask(question)
+        yield {"chat": exchanges(session, question), "question": ""}
+        try:
+            answer = session.ask(question)
+        except GeoTLMError:
+            yield {"chat": exchanges(session), "question": question}
+            raise
         frame, stated = session.frame, facts_of(session.frame)
         direction = None if answer.in_the_image is None else answer.in_the_image.value
         redrawn = frame.mm_per_px != size_before
         yield {
-            "chat": [
-                *(chat or []),
-                {"role": "user", "content": escape(question, quote=False)},
-                {"role": "assistant", "content": escape(_sentence(answer), quote=False)},
-            ],
-            "question": "",
+            "chat": exchanges(session),
             "last": direction,
             "frame": stated,
             "mm_per_px": frame.mm_per_px or 0,
@@ -93,15 +97,13 @@ class Talking:
             **self.beside(self.answerer, answer, shown, source),
         }
 
-    def again(self, chat: Messages, shown: LoadedClip | None, *others: Any) -> Iterator[Filled]:
+    def again(self, shown: LoadedClip | None, *others: Any) -> Iterator[Filled]:
         """Ask the last question of the conversation again, in its old place."""
-        asked = [place for place, message in enumerate(chat or []) if message["role"] == "user"]
-        if not asked:
+        if shown is None or not shown.session.history:
             return
-        question = text_of(chat[asked[-1]])
-        if shown is not None:
-            shown.session.take_back(question)
-        for values in self.ask(question, chat[: asked[-1]], shown, *others):
+        question = shown.session.history[-1].question
+        shown.session.take_back(question)
+        for values in self.ask(question, shown, *others):
             yield {name: value for name, value in values.items() if name != "question"}
 
     def resize(
@@ -114,6 +116,10 @@ class Talking:
         shown.session.frame = replace(shown.session.frame, mm_per_px=size)
         yield {"stage": self.redraw(shown, source), "chips": suggested(shown)}
 
+    def shown_again(self, shown: LoadedClip | None, *_: Any) -> Iterator[Filled]:
+        """Show the conversation without the question that was being answered."""
+        yield {"chat": exchanges(None if shown is None else shown.session)}
+
     def forget(
         self, shown: LoadedClip | None, source: Source | None, facts: list[str], *_: Any
     ) -> Iterator[Filled]:
@@ -121,7 +127,7 @@ class Talking:
         anew = None
         if shown is not None:
             anew = replace(shown, session=self.answerer.session(shown.encoded))
-        yield NOTHING_ASKED | {
+        yield nothing_asked(anew) | {
             "shown": anew,
             "framed": in_frame(facts, None),
             "chips": suggested(anew),
@@ -129,26 +135,12 @@ class Talking:
         }
 
 
-def _sentence(answer: Any) -> str:
-    if answer.abstained or not answer.options or answer.kind == "talk":  # how sure it is, in words
-        return answer.text
-    return f"{answer.text}  ({100 * answer.confidence:.0f} % sure)"
-
-
-def text_of(message: dict[str, Any]) -> str:
-    """Return a message's words; the toolkit hands them back as a list of blocks."""
-    content = message["content"]
-    if isinstance(content, str):
-        return unescape(content)
-    return unescape(" ".join(block.get("text", "") for block in content if isinstance(block, dict)))
-
-
 def _verdicts(answer: Any, details: dict[str, Any], opinions: dict[str, Any]) -> list[list[Any]]:
     """Return the motion that each method reads, all told from the answer's point of view."""
     probe, flow = opinions["probe"], opinions["optical_flow"]
     fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
     turn, right, down, _ = answer.edit.matrix @ fitted + 0.0  # 0.0 has no sign of its own
-    far = f"{turn:+.1f} degrees, {right:+.1f} px right, {down:+.1f} px down"
+    far = along(turn, right, down) or "nothing moves"
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
         ["answer", details.get("direction") or "-", answer.text],
@@ -167,8 +159,19 @@ def _band(answerer: Answerer, details: dict[str, Any]) -> str:
     return (
         f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, nor that "
         f"nothing touches a gel that has changed. What is less than {LEAST_SURE:.0%} sure is a "
-        f"guess: this answer is **{side}**."
+        f"guess: this answer is {side}."
     )
+
+
+def along(turn_deg: float, right_px: float, down_px: float) -> str:
+    """Return a motion in words without signs: "12.0 degrees clockwise, 3.1 px left"."""
+    parts = (
+        (turn_deg, "degrees", ("clockwise", "counterclockwise")),
+        (right_px, "px", ("right", "left")),
+        (down_px, "px", ("down", "up")),
+    )
+    moving = (part for part in parts if abs(part[0]) >= 0.05)
+    return ", ".join(f"{abs(far):.1f} {unit} {ways[int(far < 0)]}" for far, unit, ways in moving)
 
 
 def code_of(source: Source, questions: list[str], shown: LoadedClip) -> str:

@@ -1,9 +1,9 @@
-// Draws what happened when: bands of events over curves with their spreads, or a short clip's motion
-// as one step. Where the pointer stands is told by `at`, in the units of the axis.
+// Draws what happened when: a row for each kind of event with its curve, or a short clip's motion
+// with its spans. Where the pointer stands is put into words by `textAt`.
 
 const SVG = "http://www.w3.org/2000/svg";
-const LEFT = 46, RIGHT = 10, BAND = 15, GAP = 7, AXIS = 18;
-const PANEL = { turn: 48, travel: 48, contact: 26 };
+const LEFT = 64, RIGHT = 10, STRIP = 16, GAP = 5, AXIS = 18;
+const CURVE = { contact: 16, turn: 44, slide: 44, grip: 0 };
 
 function svg(name, attributes, text) {
   const made = document.createElementNS(SVG, name);
@@ -15,36 +15,40 @@ function svg(name, attributes, text) {
 function stepFor(span, count) {
   const raw = span / Math.max(count, 1);
   const power = 10 ** Math.floor(Math.log10(raw || 1));
-  return power * ([1, 2, 5, 10].find((one) => one * power >= raw) || 10);
+  return power * ([1, 2, 5, 10].find((factor) => factor * power >= raw) || 10);
 }
 
-// Events that overlap lie in rows below each other.
-function packed(events) {
-  const ends = [];
-  return events.map((event) => {
-    let row = ends.findIndex((end) => end <= event.begin + 1e-9);
-    if (row < 0) row = ends.push(0) - 1;
-    ends[row] = Math.max(event.end, event.begin);
-    return { ...event, row };
-  });
+// "3 px left", "18° clockwise": an amount along an axis without a sign.
+const WAYS = { turn: ["clockwise", "counterclockwise"], right: ["right", "left"], down: ["down", "up"] };
+
+function along(name, value, unit) {
+  const digits = Math.abs(value) < 9.95 && unit !== "°" ? 1 : 0, size = Math.abs(value).toFixed(digits);
+  const gap = unit === "°" ? "" : " ";
+  return Number(size) ? `${+size}${gap}${unit} ${WAYS[name][value < 0 ? 1 : 0]}` : "";
 }
 
 class Timeline {
   constructor(box) {
     this.box = box;
     this.data = null;
-    this.rows = 1;
+    this.view = null;
+    this.id = `inside-${Math.random().toString(36).slice(2)}`; // there are several stages
   }
 
   show(data) {
+    if (!data || !this.data || data.name !== this.data.name) this.view = null;
     this.data = data;
     this.draw();
   }
 
-  get span() {
+  get whole() {
     if (this.data.window) return this.data.window;
     const x = this.data.x;
     return [x[0], x[x.length - 1] > x[0] ? x[x.length - 1] : x[0] + 1];
+  }
+
+  get span() {
+    return this.view || this.whole;
   }
 
   placeOf(value) {
@@ -58,11 +62,39 @@ class Timeline {
     return first + Math.min(Math.max(share, 0), 1) * (last - first);
   }
 
+  // Shows less of the time about a moment, or more; a factor of 0 shows all.
+  zoom(factor, about) {
+    if (!this.data || !this.data.timeline) return;
+    const [low, high] = this.whole, [first, last] = this.span;
+    const length = factor ? (last - first) / factor : Infinity;
+    if (length >= high - low) this.view = null;
+    else {
+      const middle = about ?? this.place ?? (first + last) / 2;
+      const from = middle - ((middle - first) / (last - first)) * length;
+      this.view = this.held(from, Math.max(length, (high - low) / 200));
+    }
+    this.draw();
+  }
+
+  pan(by) {
+    if (!this.view) return;
+    this.view = this.held(this.view[0] + by, this.view[1] - this.view[0]);
+    this.draw();
+  }
+
+  held(from, length) {
+    const [low, high] = this.whole, first = Math.min(Math.max(from, low), high - length);
+    return [first, first + length];
+  }
+
   draw() {
     this.box.replaceChildren();
     if (!this.data) return;
     this.width = this.box.clientWidth || 600;
     this.root = svg("svg", { width: this.width, class: "timeline" });
+    const clip = svg("clipPath", { id: this.id });
+    clip.append(svg("rect", { x: LEFT, y: 0, width: Math.max(this.width - LEFT - RIGHT, 1), height: 400 }));
+    this.root.append(clip);
     this.box.append(this.root);
     const top = this.data.timeline ? this.drawTrack() : this.drawStep();
     this.drawAxis(top);
@@ -70,106 +102,117 @@ class Timeline {
     this.root.setAttribute("height", this.height);
     this.root.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.cursor = svg("line", { class: "cursor", y1: 0, y2: top });
-    this.root.append(this.cursor);
+    if (this.data.timeline) this.root.append(this.cursor);
     this.at(this.place ?? this.span[0]);
   }
 
   drawTrack() {
-    const events = packed(this.data.timeline.events);
-    // What is below must not jump while events come and go.
-    this.rows = Math.max(this.data.stream ? this.rows : 1, ...events.map((one) => one.row + 1));
-    for (const event of events) this.drawEvent(event);
-    if (!events.length) this.text(LEFT + 4, 11, this.data.live ? "nothing yet" : "nothing touches or moves", "quiet");
-    this.text(2, 11, "events", "name");
-    let top = this.rows * (BAND + 1) + GAP;
-    for (const panel of this.data.timeline.panels) {
-      this.drawPanel(panel, top, PANEL[panel.name]);
-      top += PANEL[panel.name] + GAP;
+    let top = 0;
+    for (const lane of this.data.timeline.lanes) {
+      this.text(2, top + 12, lane.name, "name");
+      const height = CURVE[lane.name], far = this.width - RIGHT;
+      this.root.append(svg("rect", { class: "ground", x: LEFT, y: top, width: far - LEFT, height: STRIP + height }));
+      if (height) this.drawCurves(lane, top + STRIP, height);
+      for (const event of lane.events) this.drawEvent(event, top);
+      if (!lane.events.length) this.text(LEFT + 6, top + 12, this.data.live ? "nothing yet" : "nothing", "quiet");
+      top += STRIP + height + GAP;
     }
     return top;
   }
 
-  drawEvent(event) {
-    const from = Math.max(this.placeOf(event.begin), LEFT), to = this.placeOf(event.end);
-    const y = event.row * (BAND + 1), width = Math.max(to - from, 3);
+  drawEvent(event, y) {
+    const [first, last] = this.span;
+    if (event.end < first || event.begin > last) return;
+    const from = Math.max(this.placeOf(event.begin), LEFT), to = Math.min(this.placeOf(event.end), this.width - RIGHT);
+    const width = Math.max(to - from, 3);
     const group = svg("g", { class: `event ${event.kind}` });
-    group.append(svg("rect", { x: from, y, width, height: BAND, rx: 3 }));
-    const label = event.far ? `${event.name} ${event.far.split(" (")[0]}` : event.name;
-    for (const text of [label, event.name]) {
-      if (width > 6.1 * text.length + 6) {
-        group.append(svg("text", { x: from + 4, y: y + 11 }, text));
-        break;
-      }
-    }
-    const far = event.far ? `, ${event.far}` : "";
-    group.append(svg("title", {}, `${event.name}${far}, ${event.sure} % sure`));
+    group.append(svg("rect", { x: from, y, width, height: STRIP, rx: 3 }));
+    const label = [event.text, event.text.match(/[0-9.]+.*/)?.[0]].find((text) => text && width > 6.2 * text.length + 6);
+    if (label) group.append(svg("text", { x: from + 4, y: y + 12 }, label));
     this.root.append(group);
   }
 
-  drawPanel(panel, top, height) {
-    let [low, high] = panel.range || [0, 0];
-    if (!panel.range) {
-      for (const curve of panel.curves) {
-        curve.mean.forEach((mean, k) => {
-          low = Math.min(low, mean - curve.spread[k]);
-          high = Math.max(high, mean + curve.spread[k]);
-        });
-      }
-      if (high - low < 1) [low, high] = [low - 0.5, high + 0.5];
+  drawCurves(lane, top, height) {
+    const limit = lane.limit || 0;
+    let [low, high] = lane.name === "contact" ? [0, 1] : [-limit, limit];
+    for (const curve of lane.curves) {
+      curve.mean.forEach((mean, k) => {
+        const spread = curve.spread ? curve.spread[k] : 0;
+        low = Math.min(low, mean - spread);
+        high = Math.max(high, mean + spread);
+      });
     }
-    const y = (value) => top + height - ((value - low) / (high - low)) * height;
+    if (high - low < 1) [low, high] = [low - 0.5, high + 0.5];
+    const y = (value) => top + height - 2 - ((value - low) / (high - low)) * (height - 4);
     const far = this.width - RIGHT;
-    this.root.append(svg("rect", { class: "ground", x: LEFT, y: top, width: far - LEFT, height }));
-    this.root.append(svg("line", { class: "zero", x1: LEFT, x2: far, y1: y(0), y2: y(0) }));
-    panel.curves.forEach((curve, k) => this.drawCurve(curve, `${panel.name}-${k}`, y));
-    this.text(LEFT + 5, top + 11, panel.told, "name");
-    const step = panel.range ? high - low : stepFor(high - low, 2);
-    for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
-      const middle = Math.min(Math.max(y(value) + 3, top + 8), top + height);
-      this.text(LEFT - 4, middle, `${+value.toFixed(2)}${panel.unit === "°" ? "°" : ""}`, "tick", "end");
+    if (limit) {
+      const tall = y(-limit) - y(limit);
+      this.root.append(svg("rect", { class: "limit", x: LEFT, y: y(limit), width: far - LEFT, height: tall }));
     }
+    this.root.append(svg("line", { class: "zero", x1: LEFT, x2: far, y1: y(0), y2: y(0) }));
+    lane.curves.forEach((curve, k) => this.drawCurve(curve, `${lane.name}-${k}`, y));
+    if (lane.name === "contact") return;
+    const step = stepFor(high - low, 3);
+    let before = Infinity;
+    for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
+      if (before - y(value) < 11) continue;
+      before = y(value);
+      this.text(LEFT - 5, before + 3.5, `${Math.abs(+value.toFixed(2))}${lane.unit === "°" ? "°" : ""}`, "tick", "end");
+    }
+    if (lane.unit !== "°") this.text(2, top + height - 4, lane.unit, "tick");
   }
 
   drawCurve(curve, name, y) {
-    const x = this.data.timeline.x.map((one) => this.placeOf(one));
+    const x = this.data.timeline.x.map((value) => this.placeOf(value));
+    const points = (sign) => x.map((at, k) => `${at.toFixed(1)},${y(curve.mean[k] + sign * (curve.spread ? curve.spread[k] : 0)).toFixed(1)}`);
+    const inside = { "clip-path": `url(#${this.id})` };
     if (curve.spread) {
-      const upper = x.map((one, k) => `${one.toFixed(1)},${y(curve.mean[k] + curve.spread[k]).toFixed(1)}`);
-      const lower = x.map((one, k) => `${one.toFixed(1)},${y(curve.mean[k] - curve.spread[k]).toFixed(1)}`);
-      this.root.append(svg("polygon", { class: `spread ${name}`, points: [...upper, ...lower.reverse()].join(" ") }));
+      this.root.append(svg("polygon", { ...inside, class: `spread ${name}`, points: [...points(1), ...points(-1).reverse()].join(" ") }));
     }
-    const points = x.map((one, k) => `${one.toFixed(1)},${y(curve.mean[k]).toFixed(1)}`).join(" ");
-    this.root.append(svg("polyline", { class: `curve ${name}`, points }));
+    this.root.append(svg("polyline", { ...inside, class: `curve ${name}`, points: points(0).join(" ") }));
   }
 
-  // From the first frame to the last: a bar for each part of the motion, with what is told of it.
+  // From the first frame to the last: how far each part of the motion goes, and the span it lies in.
   drawStep() {
     const step = this.data.step;
     if (!step) {
       this.text(LEFT, 24, this.data.pending ? "Reading the motion…" : "", "quiet");
       return 40;
     }
-    if (step.told) this.text(LEFT, 24, step.told, "quiet");
+    if (!step.rows.length) this.text(LEFT, 24, step.text, "quiet");
+    const wide = Math.min(220, 0.35 * (this.width - LEFT - RIGHT));
     step.rows.forEach((row, k) => {
-      const y = 4 + k * 26, far = this.width - RIGHT - LEFT;
-      const group = svg("g", { class: `event ${row.name} ${row.moves ? "" : "absent"}` });
-      group.append(svg("rect", { x: LEFT, y, width: far, height: 21, rx: 4 }));
-      group.append(svg("text", { x: LEFT + 8, y: y + 15 }, row.text));
+      const y = 2 + k * 26, middle = y + 12, most = 1.1 * (row.high || 1);
+      this.text(2, y + 16, row.name, "name");
+      const group = svg("g", { class: `amount ${row.name}` }), at = (value) => LEFT + (value / most) * wide;
+      group.append(svg("rect", { class: "ground", x: LEFT, y: y + 2, width: wide, height: 20 }));
+      if (row.mean !== undefined) {
+        group.append(svg("line", { class: "reach", x1: at(row.low), x2: at(row.high), y1: middle, y2: middle }));
+        group.append(svg("circle", { cx: at(row.mean), cy: middle, r: 4.5 }));
+      }
       this.root.append(group);
-      this.text(2, y + 15, row.name, "name");
+      const sure = row.sure === undefined ? "" : `, ${row.sure} % sure`;
+      this.text(LEFT + wide + 12, y + 16, `${row.text}${sure}`, row.moves ? "claim" : "quiet");
     });
-    return Math.max(step.rows.length * 26 + 6, 40);
+    return Math.max(step.rows.length * 26 + 4, 40);
   }
 
   drawAxis(top) {
+    if (!this.data.timeline) return;
     const [first, last] = this.span, unit = this.data.unit;
     let step = stepFor(last - first, Math.floor((this.width - LEFT) / 70));
     if (unit === "frame") step = Math.max(1, Math.round(step));
     for (let value = Math.ceil(first / step) * step; value <= last + 1e-9; value += step) {
       const x = this.placeOf(value);
-      this.root.append(svg("line", { class: "mark", x1: x, x2: x, y1: top, y2: top + 4 }));
-      this.text(x, top + 15, `${+value.toFixed(3)}`, "tick", "middle");
+      this.root.append(svg("line", { class: "mark", x1: x, x2: x, y1: top - GAP, y2: top }));
+      this.text(x, top + 11, `${+value.toFixed(3)}`, "tick", "middle");
     }
-    this.text(2, top + 15, unit, "name");
+    this.text(2, top + 11, unit, "name");
+    if (!this.view) return;
+    const [low, high] = this.whole, wide = this.width - LEFT - RIGHT, share = (value) => (value - low) / (high - low);
+    const at = { x: LEFT + share(first) * wide, width: Math.max((share(last) - share(first)) * wide, 12), rx: 2 };
+    this.root.append(svg("rect", { class: "all", x: LEFT, y: top + 14, width: wide, height: 4, rx: 2 }));
+    this.root.append(svg("rect", { class: "part", y: top + 14, height: 4, ...at }));
   }
 
   text(x, y, words, kind, anchor) {
@@ -179,28 +222,40 @@ class Timeline {
   at(value) {
     this.place = value;
     if (!this.cursor) return;
+    if (this.view && (value < this.view[0] || value > this.view[1])) {
+      this.view = this.held(value, this.view[1] - this.view[0]);
+      this.draw(); // which comes back here with the moment inside
+      return;
+    }
     const x = this.placeOf(value);
     this.cursor.setAttribute("visibility", x < LEFT - 1 || x > this.width ? "hidden" : "visible");
     this.cursor.setAttribute("x1", x);
     this.cursor.setAttribute("x2", x);
   }
 
+  // What goes on at a time, of the rows that are named.
+  eventsAt(value, names) {
+    const lanes = this.data.timeline.lanes.filter((lane) => !names || names.includes(lane.name));
+    return lanes.flatMap((lane) => lane.events).filter((event) => event.begin <= value && value <= event.end);
+  }
+
   // What is known of a time, in words with units.
-  toldAt(value) {
+  textAt(value) {
     const { timeline, unit } = this.data;
     const when = unit === "s" ? `${value.toFixed(2)} s` : `frame ${Math.round(value)}`;
     if (!timeline) return when;
     const k = nearest(timeline.x, value), lines = [when];
-    for (const panel of timeline.panels) {
-      for (const curve of panel.curves) {
-        const gap = panel.unit === "°" ? "" : " ";
-        const spread = curve.spread ? ` ± ${(+curve.spread[k].toPrecision(2))}` : "";
-        const told = panel.unit ? +curve.mean[k].toFixed(1) : `${Math.round(100 * curve.mean[k])} %`;
-        lines.push(`${curve.name} ${told}${spread}${gap}${panel.unit}`);
+    for (const { name, unit: of, curves } of timeline.lanes) {
+      for (const curve of curves) {
+        const spread = curve.spread ? ` ± ${+curve.spread[k].toPrecision(2)}` : "";
+        if (name === "contact") lines.push(`contact ${Math.round(100 * curve.mean[k])} %`);
+        else lines.push(`${name === "turn" ? "turned" : curve.name === "right" ? "across" : "up or down"} ${along(curve.name, curve.mean[k], of) || `0${of}`}${spread}`);
       }
     }
-    const now = timeline.events.filter((one) => one.begin <= value && value <= one.end);
-    for (const event of now) lines.push([event.name, event.far].filter(Boolean).join(" "));
+    for (const event of this.eventsAt(value)) {
+      const span = event.span ? ` (${event.span})` : "";
+      lines.push(`${event.text}${span}, ${event.sure} % sure`);
+    }
     return lines.join("\n");
   }
 }

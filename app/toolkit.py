@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable, Iterator, Mapping
 from html import escape
@@ -67,13 +68,17 @@ def complaint() -> Any:
     return html("", '<p role="alert">${value}</p>', "complaint")
 
 
-def html(value: Any, template: str, name: str, script: str | None = None) -> Any:
+def html(
+    value: Any, template: str, name: str, script: str | None = None, *, part: str | None = None
+) -> Any:
     """Return a component of the page's own, whose script is run when it is laid out.
 
-    The name is its class in the style sheet, and its script in `parts.js` unless one is given.
+    The name is its class in the style sheet; its script is a part of `parts.js`, named likewise
+    unless a part or a script is given.
     """
     if script is None:
-        script = f"{Path(__file__).with_name('parts.js').read_text('utf-8')}\nparts.{name}();"
+        parts = Path(__file__).with_name("parts.js").read_text("utf-8")
+        script = f"{parts}\nparts.{part or name}();"
     return gradio().HTML(
         value,
         html_template=template,
@@ -82,6 +87,11 @@ def html(value: Any, template: str, name: str, script: str | None = None) -> Any
         apply_default_css=False,
         elem_classes=[name],
     )
+
+
+def sent(name: str, value: Any) -> Any:
+    """Return a part's value as it travels: the stage's as one text, which is copied at no cost."""
+    return {"json": json.dumps(value)} if name == "stage" and isinstance(value, dict) else value
 
 
 def filling(
@@ -99,7 +109,7 @@ def filling(
         emptied: Filled = {COMPLAINT: ""}
         try:
             for values in function(*given):
-                yield {parts[name]: value for name, value in (emptied | values).items()}
+                yield {parts[name]: sent(name, each) for name, each in (emptied | values).items()}
                 emptied = {}
         except GeoTLMError as error:
             # A recording's name is part of the sentence, and anybody may have chosen it.

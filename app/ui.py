@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import guards
 from .agents import PATH, AgentServer, require_mcp
+from .pictures import ROUTE, serve_pack
 from .toolkit import MODEL_LINE, gradio, report_progress
 from .turns import AnswererInTurns, Turns
 
@@ -16,18 +17,29 @@ if TYPE_CHECKING:
 HOST = "127.0.0.1"
 """Where the page listens: on this machine only."""
 
-NAME_EMPTY = """() => {
-    const name = () => document.querySelectorAll('.empty[aria-label]:not([role])')
-        .forEach(picture => picture.setAttribute('role', 'img'));
-    new MutationObserver(name).observe(document.body, {childList: true, subtree: true});
+NAMED = """() => {
+    const name = () => {
+        document.querySelectorAll('.empty[aria-label]:not([role])')
+            .forEach(picture => picture.setAttribute('role', 'img'));
+        document.querySelectorAll('button[role=tab]').forEach(tab => {
+            tab.tabIndex = tab.getAttribute('aria-selected') === 'true' ? 0 : -1;
+        });
+    };
+    const watched = {childList: true, subtree: true, attributeFilter: ['aria-selected']};
+    new MutationObserver(name).observe(document.body, watched);
+    document.addEventListener('keydown', event => {
+        const step = {ArrowLeft: -1, ArrowRight: 1}[event.key];
+        if (!step || !event.target.matches('button[role=tab]')) return;
+        const tabs = [...event.target.parentElement.querySelectorAll('button[role=tab]')];
+        const next = tabs[(tabs.indexOf(event.target) + step + tabs.length) % tabs.length];
+        next.click();
+        next.focus();
+    });
     name();
 }"""
-"""Gives a picture that is not there yet a role: the toolkit labels it without one."""
+"""What the toolkit lacks: roles, and tabs that are one stop of the keyboard, moved by arrows."""
 
-HEAD = (
-    "<h1>geotlm-lm</h1> <p>Ask a camera-based touch sensor, in plain language, how the touched "
-    "object moves.</p>"
-)
+HEAD = "<h1>geotlm-lm</h1>"
 
 # The toolkit's bundled fonts are incomplete (its semibold holds two letters), others are fetched.
 FONT = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "Ubuntu", "Cantarell", "sans-serif")
@@ -49,7 +61,7 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
     gr = gradio()
     from gradio.utils import get_upload_folder
 
-    from . import ask_tab, compare_tab, live_tab, sessions, simulate_tab
+    from . import ask_tab, live_tab, sessions, simulate_tab
     from .api import Api
     from .sources import Sources
     from .tools import Tool
@@ -64,8 +76,6 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
         gr.HTML(HEAD, elem_classes=["page-head"], apply_default_css=False)
         with gr.Tab("Ask"):
             ask_tab.build(answerer, page)
-        with gr.Tab("Compare"):
-            compare_tab.build(answerer)
         with gr.Tab("Live"):
             live_tab.build(answerer)
         with gr.Tab("Simulate"):
@@ -73,7 +83,7 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
         for tool in tools:
             tool.serve()
         sessions.remove_uploads_with_session(page)
-        page.load(None, js=NAME_EMPTY, api_visibility="private")
+        page.load(None, js=NAMED, api_visibility="private")
     guards.refuse_addresses(page)
     page.tools = tools
     return page
@@ -95,11 +105,13 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
 
     from .sessions import LightSessions, keep_order
 
-    served: dict[str, Any] = {"middleware": [Middleware(guards.Guard)]}
+    routes = [Route(f"/{ROUTE}/{{key}}", serve_pack)]
+    served: dict[str, Any] = {"middleware": [Middleware(guards.Guard)], "routes": routes}
     if mcp:
         require_mcp()
         agents = AgentServer(page.tools)
-        served |= {"routes": [Route(f"/{PATH}", agents)], "lifespan": agents.lifespan}
+        routes.append(Route(f"/{PATH}", agents))
+        served["lifespan"] = agents.lifespan
     page.queue(max_size=guards.QUEUE)
     keep_order(page._queue, MODEL_LINE)
     guards.keep_messages_counted(page._queue)
@@ -114,6 +126,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         ssr_mode=False,
         theme=theme(),
         css_paths=STYLES,
+        footer_links=[],
         mcp_server=False,
         app_kwargs=served,
     )

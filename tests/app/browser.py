@@ -40,7 +40,7 @@ UPLOADS = (
 """How many uploads the page has ended."""
 
 TEXT = "document.body.innerText"
-CHAT = "[...document.querySelectorAll('.chat')].find(one => one.offsetParent)"
+CHAT = "[...document.querySelectorAll('.talk-list')].find(one => one.offsetParent)"
 COMPLAINT = "[...document.querySelectorAll('.complaint')].find(one => one.offsetParent)"
 """Parts of the tab that is seen; there is no complaint where it is empty."""
 

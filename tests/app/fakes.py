@@ -20,8 +20,10 @@ from geotlm_lm.track.tracker import Tracker, track_of
 from tests.answering.scripted import ScriptedReader, Silent, believed
 
 READ = {
+    "What happens first and what then?": "way all",
     "Which way is the object turning?": "way turn",
     "Which way does it go?": "way all",
+    "Which way is it moving?": "way all",
     "When did it stop?": "end last move-events",
     "How far did it go?": "extent",
     "it has turned 20 degrees clockwise": "~ amount cw #1",

@@ -8,13 +8,13 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.browser import COMPLAINT, NAME, SHOWN, STAGE, TEXT  # noqa: E402
+from tests.app.browser import CHAT, COMPLAINT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
 FRAME = "document.querySelector('.stage [data-part=scrub]').valueAsNumber"
 CANVAS = "document.querySelector('.stage canvas').toDataURL()"
-PARTS = (".stage-screen", ".stage-time", ".chat", ".chips", ".question")
+PARTS = (".stage-screen", ".stage-time", ".talk-list", ".chips", ".question")
 
 
 def box(browser, selector):
@@ -30,9 +30,8 @@ def click_at(browser, x, y):
 
 @pytest.mark.parametrize("empty", [(1400, 900)], indirect=True)
 def test_an_example_plays_on_load_and_all_is_seen_without_scrolling(browser):
-    assert browser.run(f"{NAME}.innerText") == "bottle cap"
-    before = browser.run(FRAME)
-    browser.wait_for(f"{FRAME} != {before}")
+    assert browser.run(f"{NAME}.innerText") == "key"
+    browser.wait_for(f"{FRAME} > 0")
     assert browser.run("window.innerHeight") <= 900
     for part in PARTS:
         assert box(browser, part)["bottom"] <= browser.run("window.innerHeight"), part
@@ -44,11 +43,13 @@ def test_on_a_phone_the_picture_comes_first_and_the_question_within_a_screen_and
     metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
     browser.call("Emulation.setDeviceMetricsOverride", **metrics)
     browser.wait_for("document.querySelector('.stage-screen').clientWidth < 390")
-    places = [box(browser, part) for part in (".stage-screen", ".stage-time", ".chat", ".question")]
+    places = [
+        box(browser, part) for part in (".stage-screen", ".stage-time", ".talk-list", ".question")
+    ]
     tops = [one["top"] for one in places]
     assert tops == sorted(tops)
     assert places[-1]["bottom"] < 1.5 * 844
-    last = "[...document.querySelectorAll('.ask-line button')].find(e => e.innerText == 'Retry')"
+    last = "[...document.querySelectorAll('.ask-line button')].find(e => e.innerText == 'Ask')"
     assert browser.run(f"{last}.getBoundingClientRect().right") <= 390
     assert browser.run("document.documentElement.scrollWidth") <= 390
 
@@ -68,10 +69,11 @@ def test_the_picture_is_played_and_scrubbed_by_keys(browser):
 
 
 def test_what_lies_over_the_picture_is_switched(browser):
+    browser.open_example("bottle cap")
     browser.run("document.querySelector('.stage [data-part=scrub]').focus()")
     browser.press("End", 35)
     seen = {browser.run(CANVAS)}
-    for layer in ("Arrows", "Contact", "Difference"):
+    for layer in ("Motion", "Contact", "Difference"):
         browser.click(layer, ".stage-layers button")
         seen.add(browser.run(CANVAS))
     assert len(seen) == 4
@@ -82,28 +84,73 @@ def test_a_click_on_the_timeline_shows_that_moment(browser, touch_path):
     line = box(browser, ".stage-time svg")
     browser.run("document.querySelector('.stage [data-part=play]').click()")
     for share in (0.3, 0.8):
-        click_at(browser, line["left"] + 46 + share * (line["width"] - 56), line["top"] + 60)
+        click_at(browser, line["left"] + 64 + share * (line["width"] - 74), line["top"] + 60)
         assert browser.run(FRAME) == pytest.approx(share * 39, abs=1)
     clock = browser.run("document.querySelector('.stage [data-part=clock]').innerText")
     assert 1.1 < float(clock.removesuffix(" s")) < 1.4
     told = browser.run("document.querySelector('.stage-tip').innerText")
-    assert "turn 0" in told
+    assert "turned 0°" in told
     assert "contact 100 %" in told
-    assert "When did it stop?" in browser.run("document.querySelector('.chips').innerText")
+    chips = browser.run("document.querySelector('.chips').innerText")
+    assert "What happens first and what then?" in chips
 
 
 def test_a_link_opens_its_example_and_asks_its_question(empty, address):
     empty.open(f"{address}?example=coin&q=Which%20way%20does%20it%20go%3F")
     assert empty.run(f"{NAME}.innerText") == "coin"
     empty.wait_for(f"{TEXT}.includes('It slides ')")
-    empty.click("Copy this as code", "button")
+    empty.click("Details", "button")
     empty.wait_for(f"{TEXT}.includes('app/examples/coin_press.npz')")
 
 
-def test_a_link_to_what_is_no_example_opens_the_first(empty, address):
+def test_a_link_to_what_is_no_example_says_so_and_answers_nothing(empty, address):
     for name in ("no_such", "../../etc/passwd", "<img src=x>"):
-        empty.open(f"{address}?example={name}")
-        assert empty.run(f"{NAME}.innerText") == "bottle cap"
+        empty.call("Page.navigate", url=f"{address}?example={name}&q=Which%20way%3F")
+        empty.wait_for(f"({COMPLAINT} || {{innerText: ''}}).innerText.includes('does not exist')")
+        assert empty.run(NOTHING_SHOWN)
+        assert "Which way" not in empty.run("document.querySelector('.talk-list').innerText")
+
+
+def test_the_page_opens_with_a_recording_that_is_asked_about(browser):
+    assert browser.run(f"{STAGE}.querySelectorAll('.stage-time .event.turn').length") >= 2
+    browser.wait_for("document.querySelectorAll('.exchange .answer').length == 1")
+    browser.run("document.querySelector('.stage [data-part=play]').click()")
+    result = "document.querySelector('.stage-result').innerText"
+    browser.run("document.dispatchEvent(new CustomEvent('seek', {detail: 1.9}))")
+    assert browser.run(f"/^clockwise [0-9]+°, [0-9.]+ to [0-9.]+ s, /.test({result})")
+    assert browser.run(FRAME) == pytest.approx(1.9 * 25, abs=1)
+
+
+def test_the_keyboard_comes_to_the_question_in_three_tabs(browser):
+    browser.run("document.activeElement.blur()")
+    for _ in range(3):
+        browser.press("Tab", 9)
+        if browser.run("document.activeElement.matches('.question textarea')"):
+            break
+    assert browser.run("document.activeElement.matches('.question textarea')")
+    assert browser.run("getComputedStyle(document.activeElement).outlineStyle") == "solid"
+
+
+def test_the_timeline_is_zoomed_and_moved_along(browser):
+    ticks = (
+        "[...document.querySelectorAll('.stage-time .tick[text-anchor=middle]')]"
+        ".map(one => Number(one.textContent))"
+    )
+    whole = browser.run(ticks)
+    browser.click("+", ".stage-zoom button")
+    part = browser.run(ticks)
+    assert max(part) - min(part) < max(whole) - min(whole)
+    browser.run("document.querySelector('.stage [data-part=scrub]').focus()")
+    browser.press("End", 35)  # the part that is shown follows
+    assert browser.run(f"Math.max(...{ticks})") == max(whole)
+    browser.click("all", ".stage-zoom button")
+    assert browser.run(ticks) == whole
+
+
+def test_a_long_question_does_not_break_the_page(browser):
+    browser.ask("way all " + "which_way" * 150)
+    assert browser.run("document.documentElement.scrollWidth <= window.innerWidth")
+    assert box(browser, ".question")["bottom"] <= 1100
 
 
 def test_a_recordings_name_is_shown_and_never_run(browser, recordings, tmp_path):
@@ -120,7 +167,7 @@ def test_a_mistake_stands_beside_the_field_and_the_conversation_stays(browser):
     browser.fill("Question", " ")
     mistake = f"({COMPLAINT} || {{innerText: ''}}).innerText.trim().length > 10"
     browser.click_until("Ask", mistake, "button.primary")
-    assert "It slides " in browser.run("document.querySelector('.chat').innerText")
+    assert browser.run("document.querySelector('.talk-list').innerText").count("It turns ") == 2
     below = box(browser, ".complaint")["top"] - box(browser, ".question")["bottom"]
     assert 0 <= below < 60
 
@@ -160,20 +207,20 @@ def test_a_finger_opens_an_example_asks_and_scrubs(phone, touch_path):
     tap(phone, "button.example", "bead")
     phone.wait_for(f"{SHOWN} && {NAME}.innerText == 'bead'")
     tap(phone, ".chips button", "Which way is it moving?")
-    phone.wait_for(f"{TEXT}.includes('% sure)')")
+    phone.wait_for(f"{CHAT}.innerText.includes('% sure')")
     phone.open_recording(touch_path)
     phone.run(f"{STAGE}.scrollIntoView(); {STAGE}.querySelector('[data-part=play]').click()")
     line = box(phone, ".stage-time svg")
-    places = [line["left"] + 46 + share * (line["width"] - 56) for share in (0.2, 0.4, 0.6, 0.75)]
+    places = [line["left"] + 64 + share * (line["width"] - 74) for share in (0.2, 0.4, 0.6, 0.75)]
     touch(phone, *((x, line["top"] + 60) for x in places))
     assert phone.run(FRAME) == pytest.approx(0.75 * 39, abs=1)
 
 
 def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(browser, touch_path):
     browser.open_recording(touch_path)
-    browser.click("Frame of reference", "button")
-    panel = f"{STAGE}.querySelector('.stage-time').textContent"
-    assert "travel in px" in browser.run(panel)
+    browser.click("Details", "button")
+    panel = f"[...{STAGE}.querySelectorAll('.stage-time .tick')].map(one => one.textContent)"
+    assert "px" in browser.run(panel)
     field = (
         "[...document.querySelectorAll('label')].find(one => one.offsetParent && "
         "one.innerText.startsWith('Millimetres')).querySelector('input')"
@@ -182,14 +229,14 @@ def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(brows
         browser.run(f"{field}.focus()")
         browser.fill("Millimetres per pixel", size)
         browser.run(f"{field}.blur()")
-        browser.wait_for(f"{panel}.includes('travel in {unit}')", seconds=60)
+        browser.wait_for(f"{panel}.includes('{unit}')", seconds=60)
     browser.run(f"{field}.focus()")
     browser.fill("Millimetres per pixel", "60")
     browser.run(f"{field}.blur()")
     browser.wait_for(f"{TEXT}.includes('A pixel of 60 mm was given, expected')", seconds=60)
 
 
-TABS = ("Ask", "Compare", "Live", "Simulate")
+TABS = ("Ask", "Live", "Simulate")
 RUN = """;window.found = null; axe.run(document, {resultTypes: ['violations']}).then(told => {
     window.found = JSON.stringify(told.violations.map(
         one => [one.impact, one.id, one.nodes.map(node => node.html.slice(0, 200))]))}); 1"""

@@ -255,14 +255,14 @@ def inputs_of(address):
             yield function["id"], len(function["inputs"]), place, kinds[function["inputs"][place]]
 
 
-FILES = ("file", "image", "chatbot")
+FILES = ("file", "image")
 
 
 def test_no_input_of_the_page_takes_a_file_by_its_address(address, fetched):
     seen = set()
     for named, (number, count, place, kind) in product(ADDRESSES, inputs_of(address)):
         file = {"path": named, "meta": {"_type": "gradio.FileData"}}
-        shapes = {"file": file, "image": file, "chatbot": [{"role": "user", "content": file}]}
+        shapes = {"file": file, "image": file}
         data = [None] * count
         data[place] = shapes[kind]
         given = {"data": data, "fn_index": number, "session_hash": f"s{number}"}

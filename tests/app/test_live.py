@@ -29,18 +29,22 @@ def followed(frames, watched):
     return [step for step in told if step]
 
 
+def events_of(told):
+    return [event for lane in told["timeline"]["lanes"] for event in lane["events"]]
+
+
 def test_a_recording_is_watched_to_its_end(tmp_path):
     clip = there_and_back()
     np.savez(tmp_path / "clip.npz", frames=clip.frames, fps=clip.fps)
     told = stages(watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"), LiveSession()))
-    last, events = told[-1], told[-1]["timeline"]["events"]
-    (turn,) = (one for one in events if one["name"] == "turn clockwise")
+    last, events = told[-1], events_of(told[-1])
+    (turn,) = (one for one in events if one["text"].startswith("clockwise "))
     assert (turn["begin"], turn["end"]) == pytest.approx((1.0, 1.8), abs=0.25)
-    assert float(turn["far"].split("°")[0]) == pytest.approx(30, rel=0.25)
+    assert float(turn["text"].split()[1].removesuffix("°")) == pytest.approx(30, rel=0.25)
     assert (events[0]["kind"], last["live"], last["window"]) == ("touch", False, [0.0, 4.16])
     assert last["about"] == "idle gel learnt · 105 frames"
     assert {one["stream"] for one in told} == {last["stream"]}
-    counts = [len(one["timeline"]["events"]) for one in told]
+    counts = [len(events_of(one)) for one in told]
     assert any(0 < count < len(events) for count in counts)  # events come as they are over
     ends = [one["timeline"]["x"][-1] for one in told]
     assert ends == sorted(ends)
@@ -60,17 +64,17 @@ def test_the_window_grows_and_then_rolls(frames, monkeypatch, clock):
 
 def test_a_picture_shows_where_the_gel_has_changed(frames, clock):
     told = stages(followed(frames, LiveSession()))
-    assert told[0]["picture"]["touched"] is None  # the idle gel is not known yet
+    assert told[0]["picture"]["outline"] == []  # the idle gel is not known yet
     assert told[0]["idle"] is None
     assert sum(one["idle"] is not None for one in told) == 1
-    assert np.max(told[10]["picture"]["touched"]) == 0
-    assert np.max(told[-1]["picture"]["touched"]) == 1
+    assert told[10]["picture"]["outline"] == []
+    assert len(told[-1]["picture"]["outline"]) == 1
 
 
 def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_path):
     np.savez(tmp_path / "clip.npz", frames=np.stack(frames[:4]), fps=25.0)
     told = stages(watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"), LiveSession()))
-    assert told[-1]["timeline"]["events"] == []
+    assert [lane["events"] for lane in told[-1]["timeline"]["lanes"]] == [[]] * 4
     assert "No untouched gel was seen" in told[-1]["notes"][0]
 
 
@@ -134,7 +138,7 @@ def test_nothing_is_left_and_a_camera_followed_anew_once_everything_was_emptied(
 
 def answers(watched, question, facts=(), mm_per_px=0):
     talk = LiveTalk(FakeAnswerer())
-    return list(talk.ask(question, [], watched, list(facts), mm_per_px))
+    return list(talk.ask(question, watched, list(facts), mm_per_px))
 
 
 def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
@@ -145,7 +149,7 @@ def test_a_question_is_about_what_was_seen_by_then_and_the_conversation_goes_on(
     with pytest.raises(GeoTLMError, match="^Nothing was watched yet; start the camera or a rec"):
         answers(watched, "Which way does it go?")
     followed(frames[:30], watched)
-    assert answers(watched, "Which way does it go?")[-1]["chat"][-1]["role"] == "assistant"
+    assert answers(watched, "Which way does it go?")[-1]["chat"]["exchanges"][-1]["answer"]
     session = watched.stream.shown().session
     assert session.encoded.recording is None
     followed(frames[30:], watched)
@@ -161,10 +165,10 @@ def test_a_pixels_size_is_told_of_all_that_is_watched(frames, clock):
     watched = LiveSession()
     followed(frames, watched)
     told = answers(watched, "0.05 mm per pixel. Which way?")[-1]
-    assert told["stage"]["timeline"]["panels"][1]["unit"] == "mm"
+    assert told["stage"]["timeline"]["lanes"][2]["unit"] == "mm"
     assert told["mm_per_px"] == watched.mm_per_px == 0.05
     (told,) = LiveTalk(FakeAnswerer()).resize(watched, 0)
-    assert told["stage"]["timeline"]["panels"][1]["unit"] == "px"
+    assert told["stage"]["timeline"]["lanes"][2]["unit"] == "px"
     with pytest.raises(GeoTLMError, match="^A pixel of 60 mm was given"):
         list(LiveTalk(FakeAnswerer()).resize(watched, 60))
 
@@ -188,4 +192,5 @@ def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, mon
     session = watched.stream.shown().session
     ask = session.ask
     session.ask = lambda question: (list(stop(watched)), ask(question))[1]
-    assert list(talk.ask("Which way does it go?", [], watched, [], 0)) == []
+    (pending,) = talk.ask("Which way does it go?", watched, [], 0)
+    assert pending["chat"]["exchanges"] == []

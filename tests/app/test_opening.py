@@ -13,8 +13,10 @@ import numpy as np
 import pytest
 
 from app.clips import perceive
-from app.opening import FIRST, Source, examples, offered, saved
+from app.opening import FIRST, Opening, Source, examples, offered, saved
 from app.sources import EXAMPLE_FOLDER as FOLDER
+from app.sources import RECORDING_FOLDER
+from app.talking import Talking
 from geotlm_lm import GeoTLMError, Motion, read_clip
 from geotlm_lm.cli.main import main
 from tests.app.fakes import FakeAnswerer
@@ -52,6 +54,32 @@ def test_a_clips_name_tells_its_object_and_motion_and_the_page_names_the_object_
         assert not words & {motion.value for motion in Motion}
     assert next(iter(examples())) == FIRST
     assert [key for key in examples() if key.startswith("key")] == ["key", "key_2"]
+
+
+def test_whole_recordings_come_first_and_are_small():
+    keys = list(examples())
+    recordings = sorted(RECORDING_FOLDER.glob("*.mov"))
+    assert len(recordings) == 4
+    assert keys[0] == FIRST
+    assert set(keys[:4]) == {f"recording_{path.stem}" for path in recordings}
+    for path in recordings:
+        assert path.stat().st_size < 400 * 1024
+        assert len(read_clip(path)) > 100
+
+
+def test_a_link_opens_its_example_and_a_wrong_one_nothing(talked):
+    talking = Talking(FakeAnswerer())
+    opening = Opening(talking.answerer, talking)
+    talking.answerer.bundle.reader.lines["Which & way?"] = "way all"
+    *_, last = opening.visit({"example": "coin", "q": "Which & way?"})
+    assert last["chat"]["exchanges"][0]["question"] == "Which & way?"
+    *_, last = opening.visit({"example": "coin"})
+    assert last["chat"]["exchanges"] == []
+    steps = opening.visit({"example": "no_such", "q": "Which & way?"})
+    assert (closed := next(steps))["shown"] is None
+    assert closed["stage"] == {}
+    with pytest.raises(GeoTLMError, match="^The link names the example 'no_such', which does not"):
+        next(steps)
 
 
 def content(file):

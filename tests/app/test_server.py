@@ -4,6 +4,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from threading import Event
 
+import httpx
 import numpy as np
 import pytest
 
@@ -13,6 +14,7 @@ from gradio_client import Client, handle_file  # noqa: E402
 from gradio_client.exceptions import AppError  # noqa: E402
 
 from app import ui  # noqa: E402
+from app.pictures import PACKS  # noqa: E402
 from tests.app.fakes import FakeAnswerer, clip  # noqa: E402
 
 
@@ -38,6 +40,14 @@ def test_evidence_comes_without_the_language_model(client, recordings):
     assert evidence["contact_share"] == 0.5
     assert np.shape(evidence["shear_change"]) == (14, 14, 2)
     assert set(evidence["second_opinions"]) == {"probe", "optical_flow", "timing_ms"}
+
+
+def test_pictures_are_fetched_by_an_address_that_nobody_can_guess(address):
+    pack = PACKS.address([np.full((48, 64, 3), 90, np.uint8)] * 2)
+    answer = httpx.get(f"{address}{pack}")
+    assert (answer.status_code, answer.content[:4]) == (200, b"\x02\0\0\0")
+    assert PACKS.address([np.full((48, 64, 3), 90, np.uint8)] * 2) == pack
+    assert httpx.get(f"{address}frames/{'0' * 32}").status_code == 404
 
 
 def test_a_file_of_this_machine_that_was_not_uploaded_is_refused(client, path):

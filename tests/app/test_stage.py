@@ -1,7 +1,7 @@
 """What the stage is given: pictures small enough, curves and events of a track, a clip's step."""
 
-import base64
 import json
+import struct
 
 import cv2
 import numpy as np
@@ -9,8 +9,9 @@ import pytest
 
 from app import stage
 from app.clips import load_clip, perceive
+from app.pictures import PACKS
 from app.sources import EXAMPLES
-from geotlm_lm import FrameSpec, Units
+from geotlm_lm import Exported, FrameSpec, Units
 from geotlm_lm.core.clip import Clip
 from tests.app.fakes import FakeAnswerer
 
@@ -26,9 +27,13 @@ def tracked(frames):
     return perceive(FakeAnswerer(), Clip(np.stack(frames), fps=25.0))
 
 
-def decoded(address):
-    content = base64.b64decode(address.split(",")[1])
-    return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)[..., ::-1]
+def pictures(told):
+    """Return the pictures that the browser would fetch, frames before the idle gel."""
+    content = PACKS.content(told["pack"].split("/")[-1])
+    (count,) = struct.unpack_from("<I", content)
+    ends = np.cumsum([4 * count + 4, *struct.unpack_from(f"<{count}I", content, 4)])
+    files = [content[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [cv2.imdecode(np.frombuffer(file, np.uint8), 1)[..., ::-1] for file in files]
 
 
 def test_a_clip_of_four_frames_plays_in_a_loop_at_ten_a_second():
@@ -54,27 +59,28 @@ def test_a_picture_is_sent_as_it_is_and_in_the_shape_of_the_camera():
     clip = clip_of(4, 224, 224)
     told = stage.opening(clip, "cap")
     assert told["aspect"] == pytest.approx(4 / 3)  # squashed to our square
-    sent = decoded(told["frames"][2])
+    sent = pictures(told)[2]
     assert sent.shape == (224, 224, 3)
     assert np.abs(sent.astype(int) - clip.frames[2]).mean() < 2
-    assert decoded(told["idle"]).shape == (224, 224, 3)
+    assert (told["count"], told["has_idle"], len(pictures(told))) == (4, True, 5)
     large = stage.opening(clip_of(4, 480, 640), "cap")
-    assert decoded(large["frames"][0]).shape == (336, 448, 3)
+    assert pictures(large)[0].shape == (336, 448, 3)
 
 
-def test_a_long_recording_stays_below_three_megabytes():
+def test_a_long_recording_stays_below_three_megabytes_and_none_of_it_is_in_the_value():
     rng = np.random.default_rng(0)
     frames = rng.integers(0, 256, (400, 240, 320, 3), np.uint8)  # the worst there is
     told = stage.opening(Clip(frames, fps=25.0), "noise")
-    assert len(told["frames"]) == stage.MOST_FRAMES
-    assert len(json.dumps(told)) < 3.2e6
+    assert told["count"] == stage.MOST_FRAMES
+    assert len(PACKS.content(told["pack"].split("/")[-1])) < 3.2e6
+    assert len(json.dumps(told)) < 1e4
     assert told["x"][-1] == pytest.approx(399 / 25, abs=0.001)
 
 
 def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):
     track = tracked.encoded.track
     told = stage.stage_of(tracked, "cap", FrameSpec(mm_per_px=0.1))["timeline"]
-    turn, travel, contact = told["panels"]
+    contact, turn, travel, grip = told["lanes"]
     assert turn["curves"][0]["mean"] == pytest.approx(track.path_from_start[:, 0], abs=1e-3)
     assert turn["curves"][0]["spread"] == pytest.approx(
         1.645 * track.path_deviations[:, 0], abs=1e-3
@@ -83,42 +89,93 @@ def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):
     assert travel["unit"] == "mm"
     assert travel["curves"][0]["mean"] == pytest.approx(right, abs=1e-3)
     assert contact["curves"][0]["mean"] == pytest.approx(track.contact, abs=1e-3)
+    assert grip["curves"] == []
+
+
+def test_a_row_knows_what_is_too_small_to_detect(tracked):
+    _, turn, slide, _ = stage.stage_of(tracked, "cap")["timeline"]["lanes"]
+    totals = Exported(tracked.encoded.track).totals()
+    assert (turn["limit"], slide["limit"]) == (totals["turn_limit"], totals["slide_limit"])
+
+
+def test_outlines_are_drawn_while_it_touches_and_around_what_has_changed(frames):
+    recording = Clip(np.stack(frames), fps=25.0, background=frames[0])
+    outlines = stage.stage_of(perceive(FakeAnswerer(), recording), "cap")["outlines"]
+    assert len(outlines) == 40
+    assert [bool(polygons) for polygons in outlines[:10]] == [False] * 10
+    (polygon,) = outlines[30]
+    change = np.abs(frames[30].astype(float) - frames[0]).mean(axis=2)
+    rows, columns = np.nonzero(change > 0.5 * change.max())
+    middle = (np.median(columns) / change.shape[1], np.median(rows) / change.shape[0])
+    low, high = np.min(polygon, axis=0), np.max(polygon, axis=0)
+    assert (low + high) / 2 == pytest.approx(middle, abs=0.08)
+
+
+def test_an_outline_follows_its_mask():
+    mask = np.zeros((24, 32))
+    mask[6:18, 8:24] = 1
+    (polygon,) = stage.outline(mask)
+    assert np.min(polygon, axis=0) == pytest.approx([0.25, 0.25], abs=0.02)
+    assert np.max(polygon, axis=0) == pytest.approx([0.75, 0.75], abs=0.02)
+    assert stage.outline(0 * mask) == []
 
 
 def test_events_are_told_with_their_times(tracked):
-    told = stage.stage_of(tracked, "cap")["timeline"]["events"]
-    assert [one["kind"] for one in told] == [one.kind.value for one in tracked.encoded.track.events]
-    touch = next(one for one in told if one["kind"] == "touch")
+    lanes = stage.stage_of(tracked, "cap")["timeline"]["lanes"]
+    told = [event for lane in lanes for event in lane["events"]]
+    kinds = [event.kind.value for event in tracked.encoded.track.events]
+    assert sorted(event["kind"] for event in told) == sorted(kinds)
+    touch = next(event for event in told if event["kind"] == "touch")
     assert 0.4 < touch["begin"] < 0.6
     assert touch["begin"] == touch["end"]
 
 
 def test_a_short_clips_motion_is_one_step_with_its_amount():
     shown = perceive(FakeAnswerer(), clip_of(4))
-    rows = {row["name"]: row for row in stage.stage_of(shown, "cap")["step"]["rows"]}
-    assert rows["slide"]["text"].startswith("right ")
-    assert " px (" in rows["slide"]["text"]
-    assert rows["turn"] == {"name": "turn", "moves": False, "text": "none, 100 % sure"}
+    step = stage.stage_of(shown, "cap")["step"]
+    rows = {row["name"]: row for row in step["rows"]}
+    assert step["text"] == rows["slide"]["text"]
+    assert " px right, " in rows["slide"]["text"]
+    assert rows["slide"]["low"] < rows["slide"]["mean"] < rows["slide"]["high"]
+    assert rows["turn"] == {"name": "turn", "moves": False, "text": "none"}
     in_mm = stage.stage_of(shown, "cap", FrameSpec(mm_per_px=0.1))["step"]["rows"][1]
-    assert " mm (" in in_mm["text"]
+    assert " mm right, " in in_mm["text"]
 
 
-def test_arrows_lie_where_it_touches_and_have_a_scale():
-    overlays = stage.stage_of(perceive(FakeAnswerer(), clip_of(4)), "cap")["overlays"]
-    (field,) = overlays["fields"]
-    tails, tips = np.array(field["ends"]).transpose(1, 0, 2)
+def test_the_rows_of_a_clip_say_what_its_words_say(answerer):
+    shown = load_clip(answerer, str(EXAMPLES["example:bottle_cap_clockwise"]))
+    words = shown.session.ask("Which way is it moving?")
+    (value,) = words.values
+    told = {movement.way.value: movement for movement in value.movements}
+    rows = [row for row in stage.stage_of(shown, "cap")["step"]["rows"] if row["moves"]]
+    assert len(rows) == len(told)
+    for row in rows:
+        way = next(way for way in told if way in row["text"])
+        assert row["mean"] == told[way].amount.mean
+        assert row["sure"] == round(100 * told[way].chance)
+
+
+def test_motion_is_drawn_in_shares_of_the_picture():
+    told = stage.stage_of(perceive(FakeAnswerer(), clip_of(4)), "cap")
+    assert told["motion"]["turn"] == 0
+    assert told["motion"]["travel"] == pytest.approx([14.2 / 224, 0], abs=0.02)
+    tails, tips = np.array(told["shear"]).transpose(1, 0, 2)
     assert tails[:, 0].max() < 0.5  # the stand-in sees contact in the left half
     assert np.all(tips[:, 0] > tails[:, 0])
-    assert field["legend"]["text"] == "5 learned shear (no unit)"
-    assert field["legend"]["length"] == pytest.approx(5 * 4 / 224)
-    assert np.shape(overlays["contact"]["mask"]) == (14, 14)
 
 
 @pytest.mark.parametrize(
-    ("name", "has_arrows"), [("key_none", False), ("screw_head_down", True), ("bead_right", True)]
+    ("name", "moves"), [("key_none", False), ("screw_head_down", True), ("bead_right", True)]
 )
-def test_arrows_are_drawn_of_what_touches_alone(answerer, name, has_arrows):
+def test_motion_is_drawn_of_what_touches_alone(answerer, name, moves):
     told = stage.stage_of(load_clip(answerer, str(EXAMPLES[f"example:{name}"])), name)
-    (field,) = told["overlays"]["fields"]
-    assert bool(field["ends"]) is has_arrows
-    assert bool(told["step"]["rows"]) is has_arrows
+    assert bool(told["motion"]) is moves
+    assert bool(told["step"]["rows"]) is moves
+    assert any(told["outlines"]) is moves
+
+
+def test_a_still_clip_has_a_limit_and_no_arrows(answerer):
+    told = stage.stage_of(load_clip(answerer, str(EXAMPLES["example:key_still"])), "key")
+    assert told["motion"] is None
+    assert told["step"]["text"] == "does not move"
+    assert all(row["text"].startswith("none beyond ") for row in told["step"]["rows"])
