@@ -159,8 +159,8 @@ FORMS = (
 )  # fmt: skip
 """How an answer is written; "pairs" are lines of key=value, a "tuple" is (1, 2), "brackets" [1]."""
 
-MOST_SLOTS = 9
-"""Quantities, and words, of a text that a program can point at."""
+MOST_SLOTS, MOST_COPIED = 9, 20
+"""Quantities of a text, and words of it, that a program can point at."""
 
 _PLAIN = {
     "bool": {
