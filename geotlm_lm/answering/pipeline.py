@@ -54,7 +54,10 @@ SAME_RATE = 0.02
 SILENT = ("cannot", "not-understood", "talk", "help")
 """Remarks that tell nothing of a recording."""
 
-TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets")
+TEMPLATES = (
+    *("json", "csv", "pairs", "yaml", "tuple", "brackets"),
+    *("semicolons", "tabs", "pipes", "markdown", "dict", "tags"),
+)
 """Forms that programs read."""
 
 

@@ -52,7 +52,10 @@ _MEASURES = (*GOING, "limit")
 _ENDS = ("low", "high", "sigma")
 """What is told of a number's spread; one takes the place of another."""
 
-STRUCTURED = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table")
+STRUCTURED = (
+    *("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table"),
+    *("semicolons", "tabs", "pipes", "markdown", "dict", "tags"),
+)
 """Forms of one answer; the next is told in words again, while a word or a number stays one."""
 
 _PLACED = ("within", "at", *CLIPS)
@@ -83,10 +86,15 @@ def resumed(program: Program, before: Program) -> Program:
         is_about_all = any(each.word == "again" for each in answer)
         for last in before.answers if is_about_all else before.answers[:1]:
             answers.append(_asked(_spelled(_spoken(answer, last), last)))
-    is_kept = program.form == "sentence" and before.form not in STRUCTURED
-    form = before.form if is_kept else program.form
+    is_template = before.form in STRUCTURED and not any(map(_is_filled_again, answers))
+    form = before.form if program.form == "sentence" and not is_template else program.form
     spelled = replace(program, answers=tuple(dict.fromkeys(answers)), form=form)
     return normal(spelled)
+
+
+def _is_filled_again(answer: Expression) -> bool:
+    """Tell whether a template with keys of its own is filled, which stays one."""
+    return answer.word == "record" and any(field.key for field in answer.arguments[0])
 
 
 def _asked(answer: Expression) -> Expression:
@@ -139,6 +147,11 @@ def _spelled(
     word = expression.word
     if word == "again":
         return _fitted(last, wanted, unit)
+    if last.word == "record" and word in ("unit", "round", "per", "record"):
+        if word == "record":
+            return of("record", _with_more(expression.arguments[0], last))
+        if expression.arguments[1].word == "again":
+            return of("record", tuple(_refined(each, expression) for each in last.arguments[0]))
     if word in ("instead", "with"):
         what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
         return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
@@ -155,6 +168,27 @@ def _spelled(
         for each, type_ in zip(expression.arguments, takes, strict=True)
     )
     return replace(expression, arguments=arguments)
+
+
+def _with_more(fields: tuple[Field, ...], last: Expression) -> tuple[Field, ...]:
+    """Return the fields of the last record where "again" stands, and others beside them."""
+    more: list[Field] = []
+    for each in fields:
+        spelled = _spelled(each.answer, last)
+        is_again = each.key is None and spelled.word == "record"
+        more += spelled.arguments[0] if is_again else [replace(each, answer=spelled)]
+    return tuple(more)
+
+
+def _refined(field: Field, expression: Expression) -> Field:
+    """Return a field in the unit, or with the decimals, that all are wanted in, if it has such."""
+    if type_of(field.answer) != "number":
+        return field
+    subject = _subject(field.answer)
+    kind = "time" if subject is None else "length"
+    kind = "angle" if subject and COMPONENT[subject].value == "turn" else kind
+    wanted = dimension_of(expression.arguments[0]) if expression.word == "unit" else kind
+    return replace(field, answer=_spelled(expression, field.answer)) if wanted == kind else field
 
 
 def _argument(value: Any, last: Expression, wanted: str, unit: str) -> Any:

@@ -132,7 +132,7 @@ COUNTS = tuple(map(str, range(13)))
 
 HALVES = ("upper", "lower", "left-half", "right-half")
 LABELS = (
-    *("A", "B", "C", "D", "E", "F", "1", "2", "3", "4", "5", "6", "-1", "0"),
+    *("A", "B", "C", "D", "E", "F", "1", "2", "3", "4", "5", "6", "7", "8", "9", "-1", "0", "+1"),
     *("pass", "fail", "ok", "good", "bad", "yes", "no", "true", "false"),
     *("high", "medium", "low", "large", "small", "fast", "slow"),
 )
@@ -155,9 +155,12 @@ TWO_CLIPS = (
 FORMS = (
     "sentence", "word", "letter", "number", "sign", "yes-no", "one-zero", "brief", "bare",
     "one-sentence", "list", "table", "json", "csv", "pairs", "yaml", "tuple",
-    "brackets",
+    "brackets", "semicolons", "tabs", "pipes", "markdown", "dict", "tags", "true-false",
 )  # fmt: skip
-"""How an answer is written; "pairs" are lines of key=value, a "tuple" is (1, 2), "brackets" [1]."""
+"""How an answer is written; "pairs" are lines of key=value, a "tuple" is (1, 2), "brackets" [1].
+
+"semicolons", "tabs" and "pipes" are a CSV's rows parted by these, "markdown" a table of it, "dict"
+one of Python, "tags" are <key>value</key>."""
 
 MOST_SLOTS, MOST_COPIED = 9, 20
 """Quantities of a text, and words of it, that a program can point at."""

@@ -74,6 +74,13 @@ def spelled(now: str, before: str) -> str:
     ("tighten", "begin it", "begin largest turn-events"),
     ("within first move-events way all", "within since end it again",
      "within since end first move-events way all"),
+    ("record @1 way turn , @2 amount turn , @3 amount slide end ; as json", "unit rad again",
+     "record @1 way turn , @2 unit rad amount turn , @3 amount slide end ; as json"),
+    ("record @1 way turn end ; as dict", "record again , @2 touch end",
+     "record @1 way turn , @2 touch end ; as dict"),
+    ("record @1 amount turn end ; as yaml", "record unit rad again , @2 touch end",
+     "record @1 unit rad amount turn , @2 touch end ; as yaml"),
+    ("turn ; as json", "slide", "slide"),
 ])  # fmt: skip
 def test_a_follow_up_is_spelled_out(before, now, meant):
     assert spelled(now, before) == meant
