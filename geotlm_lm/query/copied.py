@@ -25,7 +25,7 @@ _NO_WORD = re.compile(r"<\w|\w>|\w=\w|[{}\[\]|\t;]|^(?:\.+|…|\?+|_+|\s*)$|^\w+
 
 _TAG = re.compile(r"<([A-Za-z][\w.-]*)>(?=.*</\1>)|(?<=>)([A-Za-z][\w+-]*)(?=</)", re.DOTALL)
 _ITEM = r"[A-Za-z][\w.+-]*"
-_BETWEEN_BARS = re.compile(r"(?<![\w|])[\w+-][\w.+-]*(?:\s*\|\s*[\w.+-]+)+(?![\w])")
+_BETWEEN_BARS = re.compile(r"(?<![\w|])[\w+-][\w.+-]*(?:(?:\s+\|\s+|\|)[\w.+-]+)+(?![\w])")
 _HEADER = re.compile(
     rf"(?<![\w/.]){_ITEM}(?:(?:[;\t]{_ITEM})+|(?:,{_ITEM}){{2,}})(?![\w/])"
     r"|(?<![\w/.])[A-Za-z]\w*(?:,\w*_\w+)+(?![\w/])"
@@ -43,7 +43,7 @@ _PLAIN = re.compile(
     r"|[a-z]+(?:\.[a-z]+)*\.[xyzw]\b"  # angular.z
     r"|[GHJ-WZ](?![\w'.])"  # L; programs spell A to F themselves, and X and Y are axes
     # angle=..., angle: ..., way:cw|ccw
-    r"|[A-Za-z](?:[\w.-]*\w)?(?=\s?=(?![=>])|:(?=[\s<{\"'\[?]|\w+\||$))"
+    r"|(?<!/)[A-Za-z](?:[\w.-]*\w)?(?=\s?=(?![=>])|:(?=[\s<{\"'\[?]|\w+\||$))"
     r")"
 )
 _POINTED = re.compile(r"(?:->|=>|→|:=)\s*([A-Za-z][\w-]*)(?![\w'])")
@@ -61,6 +61,7 @@ _LISTED_ITEM = re.compile(
 _ASIDE = re.compile(r"\s*(?:\([^()\n]*\)|\[[^\[\]\n]*\]|<[^<>\n]*>)")
 _JOINT = re.compile(r"(?:\s*[,;|/\t&]\s*(?:and |or )?|\s+(?:and|or)\s+|\s*\n\s*[-*]\s*)")
 _VALUE = re.compile(r"[:=|]\s*$")
+_NUMBERED = re.compile(r"\d\s$")
 _PART = re.compile(r"[\w.+-]*[^\W\d_](?:[\w.+-]*[\w+])?")
 
 
@@ -195,7 +196,8 @@ def _plain(text: str) -> Iterator[Copied]:
     for match in _PLAIN.finditer(text):
         word = match[0]
         is_loud_word = is_loud and word.isalpha() and not text[match.end() :].startswith((":", "="))
-        if not (is_loud_word or _is_filler(word)):
+        is_unit = _NUMBERED.search(text[: match.start()]) and word.islower()  # "3 degrees: ..."
+        if not (is_loud_word or is_unit or _is_filler(word)):
             yield Copied(word, *match.span())
 
 

@@ -132,7 +132,7 @@ COUNTS = tuple(map(str, range(13)))
 
 HALVES = ("upper", "lower", "left-half", "right-half")
 LABELS = (
-    *("A", "B", "C", "D", "E", "F", "1", "2", "3", "4", "5", "6", "7", "8", "9", "-1", "0", "+1"),
+    *("A", "B", "C", "D", "E", "F", "1", "2", "3", "4", "5", "6", "-1", "0"),
     *("pass", "fail", "ok", "good", "bad", "yes", "no", "true", "false"),
     *("high", "medium", "low", "large", "small", "fast", "slow"),
 )

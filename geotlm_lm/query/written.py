@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -30,9 +31,8 @@ POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
 _BETWEEN = {"pairs": "=", "yaml": ": "}
 _AROUND = {"tuple": "()", "brackets": "[]"}
 _PARTED = {"csv": ",", "semicolons": ";", "tabs": "\t", "pipes": "|"}
+_CODE = re.compile(r"-?\d+")
 _WRITTEN = {"dict": repr, "json": json.dumps}
-_NUMERIC = ("-1", "+1", *map(str, range(10)))
-"""Labels that a program reads as numbers."""
 
 
 def worded(
@@ -186,7 +186,8 @@ def plain(value: Value, teller: Teller) -> Any:
     if isinstance(value, Moved) and head_of(value.of).word == "sure":
         return round(value.probability, 3)
     word = decided(value, teller)
-    return int(word) if isinstance(value, Choice) and word in _NUMERIC else word
+    is_code = isinstance(value, Choice) and word is not None and _CODE.fullmatch(word)
+    return int(word) if is_code else word
 
 
 def _event(shown: Shown) -> dict[str, Any]:

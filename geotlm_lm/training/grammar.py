@@ -216,7 +216,7 @@ class Grammar:
                 query, used = f"{query} ; {self._meant(other.query, next_)}", [*used, other.id]
             if len(questions) > 1:
                 text = listed(rng, questions, is_bare=not chosen)
-        return _numbered(_roughened(rng, text), query, tuple(used))
+        return numbered(_roughened(rng, text), query, tuple(used))
 
     def _filled(self, rng: random.Random, text: str, draft: _Draft) -> str:
         """Return a template with its alternatives drawn and its fields filled."""
@@ -262,7 +262,7 @@ class Grammar:
         return query
 
 
-def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
+def numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     """Return a pair with its numbers as slots; None where one is not found again, or too late."""
     spans: dict[str, tuple[int, int]] = {}
     plain, at = "", 0

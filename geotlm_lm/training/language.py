@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count, islice
 from pathlib import Path
+from random import Random
 from typing import TYPE_CHECKING, Any
 
 import torch
@@ -44,6 +45,7 @@ from geotlm_lm.query.reader import (
     spelled_by,
 )
 from geotlm_lm.training.fit import fit
+from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.language_rows import (
     POOL,
@@ -77,9 +79,9 @@ HIDDEN = 0.06
 """Mean share of a question's tokens that are hidden; each question's own is between none and twice
 this."""
 
-CORPUS_SHARE, COMPOSED_SHARE = 0.2, 0.1
+CORPUS_SHARE, COMPOSED_SHARE, FORMS_SHARE = 0.2, 0.1, 0.1
 """Shares of questions drawn from the corpus instead of the grammar, half of them with the grammar's
-clauses around, and of programs composed at random."""
+clauses around, of programs composed at random, and of questions for an output of a given form."""
 
 NOISE = 0.2
 """Deviation of the noise on the fused token, in units of its spread over the training clips:
@@ -289,6 +291,7 @@ class _Stage:
             0 if is_english else config.batch,
             CORPUS_SHARE,
             COMPOSED_SHARE,
+            FORMS_SHARE,
             self.taught.passages,
             config.batch if is_english else config.batch // 4,
             config.size.max_tokens,
@@ -395,7 +398,12 @@ def train_vocabulary(
     config: LanguageTraining, corpus: Sequence[Pair], passages: Sequence[str] = ()
 ) -> tuple[Any, tuple[str, ...], Lexicon]:
     """Return byte pairs made from questions and English, program words, and frequent words."""
-    pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
+    shown = formed(Random(config.seed), "train")
+    pairs = [
+        *islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS),
+        *islice(shown, VOCABULARY_PAIRS // 10),
+        *corpus,
+    ]
     texts = [part for pair in pairs for part in _plain_parts(pair.text)]
     lexicon = lexicon_of(texts)
     texts += list(passages[: VOCABULARY_PAIRS // 2])

@@ -1,9 +1,9 @@
 """What the language model learns from: questions, English and answers, drawn afresh and laid out.
 
-Questions come from the grammar, the corpus and programs composed at random, so that no text comes
-twice but by chance; families held out by the grammar are never drawn. Words are read from changing
-byte pairs (BPE-dropout, Provilkov et al. 2020); which of them change no seed governs, as the
-tokenizer draws them.
+Questions come from the grammar, the corpus, programs composed at random and output forms, so that
+no text comes twice but by chance; families held out by the grammar are never drawn. Words are read
+from changing byte pairs (BPE-dropout, Provilkov et al. 2020); which of them change no seed governs,
+as the tokenizer draws them.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.language.size import PREFIX, SLOTS, TEXT
 from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS, SAY, SLOT_TOKENS, Spelling
 from geotlm_lm.training.composed import composed
+from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.thesaurus import thesaurus
 from geotlm_lm.training.truth import UNASKED
@@ -169,6 +170,7 @@ class Questions(IterableDataset):
         batch: Questions a step.
         corpus_share: Share of questions drawn from the corpus.
         composed_share: Share of programs composed at random.
+        forms_share: Share of questions that ask for an output of a given form.
         passages: Passages of English, of which `english` come beside each step's questions.
         english: How many.
         room: Ids of the longest row.
@@ -181,6 +183,7 @@ class Questions(IterableDataset):
     batch: int
     corpus_share: float
     composed_share: float
+    forms_share: float
     passages: Sequence[str]
     english: int
     room: int
@@ -211,11 +214,13 @@ class Questions(IterableDataset):
         wanted = POOL * self.batch
         shown = round(wanted * self.corpus_share) if self.corpus else 0
         made = round(wanted * self.composed_share)
-        drawn = list(islice(grammar().pairs(seed, "train"), wanted - shown - made))
+        of_forms = round(wanted * self.forms_share)
+        drawn = list(islice(grammar().pairs(seed, "train"), wanted - shown - made - of_forms))
         labelled = rng.choices(list(self.corpus), k=shown) if shown else []
         labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
         pairs = drawn + labelled
         pairs[::2] = [thesaurus().varied(rng, pair) for pair in pairs[::2]]
+        pairs += islice(formed(rng, "train"), of_forms)
         return pairs + list(islice(composed(rng), made))
 
 

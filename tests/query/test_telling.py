@@ -65,7 +65,7 @@ def told(line, *clips, texts=(), frame=FRAME):
     ("choose pass turn | fail other ; as bare", "pass"),
     ("turn ; as true-false", "True"),
     ("record turn , slide end ; as true-false", "True, False"),
-    ("choose +1 cw | -1 ccw | 0 other ; as bare", "+1"),
+    ("choose 1 cw | -1 ccw | 0 other ; as bare", "1"),
     ("story ; as semicolons", "kind;way;begin_s;end_s;value;unit\n"),
     ("story ; as markdown", "| kind | way | begin_s | end_s | value | unit |\n| --- | --- |"),
 ])  # fmt: skip
@@ -112,7 +112,7 @@ def test_a_template_is_filled_under_its_own_keys():
     ("tags", "<n>3</n>\n<on>1</on>\n<way>1</way>"),
 ])  # fmt: skip
 def test_fields_in_every_template(form, text):
-    line = "record @1 count turn-events , @2 turn , @3 choose +1 cw | 0 other end ; as "
+    line = "record @1 count turn-events , @2 turn , @3 choose 1.0: cw | 0 other end ; as "
     assert told(line + form, texts=("n", "on", "way")) == text
 
 

@@ -164,7 +164,7 @@ def test_a_passage_is_guessed_at_or_goes_on(spelling):
 @pytest.mark.slow
 def test_the_same_rows_come_from_any_step_on_and_by_any_number_of_processes(spelling):
     drawing = Questions(
-        spelling, corpus("train")[:20], 4, 0.25, 0.25, PASSAGES, 2, SIZE.max_tokens, seed=5
+        spelling, corpus("train")[:20], 4, 0.25, 0.25, 0.25, PASSAGES, 2, SIZE.max_tokens, seed=5
     )
 
     def rows(step, workers, count, passes=1):
