@@ -197,7 +197,8 @@ def _plain(text: str) -> Iterator[Copied]:
         word = match[0]
         is_loud_word = is_loud and word.isalpha() and not text[match.end() :].startswith((":", "="))
         is_unit = _NUMBERED.search(text[: match.start()]) and word.islower()  # "3 degrees: ..."
-        if not (is_loud_word or is_unit or _is_filler(word)):
+        is_little = word in ("in", "In", "one", "two", "both")  # "fill in: ..."
+        if not (is_loud_word or is_unit or is_little or _is_filler(word)):
             yield Copied(word, *match.span())
 
 

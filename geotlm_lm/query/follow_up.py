@@ -112,7 +112,21 @@ def _of_subject(answer: Expression, last: Expression) -> Expression:
     is_open = head.word == "extent" or head in (of("speed", "move"), of("top-speed", "move"))
     if not is_open or subject is None:
         return answer
-    return _of_another(answer, subject if subject in ("x", "y") else COMPONENT[subject].value)
+    answer = _of_another(answer, subject if subject in ("x", "y") else COMPONENT[subject].value)
+    return normal(_seen_as(answer, last))
+
+
+def _seen_as(answer: Expression, last: Expression) -> Expression:
+    """Return an answer with the views that stand around the last one, if it has none of its own."""
+    if last.word not in EDIT_WORDS or answer.word in EDIT_WORDS:
+        return answer
+    words = []
+    while last.word in EDIT_WORDS:
+        words.append(last.word)
+        last = last.arguments[-1]
+    for word in reversed(words):
+        answer = of(word, answer)
+    return answer
 
 
 def _of_measure(comparison: Expression, last: Expression) -> Expression | None:

@@ -137,10 +137,15 @@ class Spelling:
         """How many ids there are."""
         return self.tokenizer.get_vocab_size() + len(self.words)
 
+    @cached_property
+    def _places(self) -> int:
+        """How many words may be copied: an older model knows fewer places."""
+        return sum(f"@{place}" in self.id_of for place in range(1, MOST_COPIED + 1))
+
     def question(self, text: str) -> Spelled:
         """Return the ids of a question: mended, lower case, its first numbers as slots."""
         text = self.lexicon.mended(text)
-        stated, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[:MOST_COPIED])
+        stated, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[: self._places])
         marks = [(each.start, each.end, f"#{k}", _beside(each)) for k, each in enumerate(stated, 1)]
         # A word that may be copied is read as well: its place stands before it.
         marks += [(each.start, each.start, f"@{k}", []) for k, each in enumerate(words, 1)]

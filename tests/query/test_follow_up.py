@@ -81,6 +81,8 @@ def spelled(now: str, before: str) -> str:
     ("record @1 amount turn end ; as yaml", "record unit rad again , @2 touch end",
      "record @1 unit rad amount turn , @2 touch end ; as yaml"),
     ("turn ; as json", "slide", "slide"),
+    ("behind way turn", "extent", "behind amount turn"),
+    ("mirror way slide", "mirror speed move", "mirror speed slide"),
 ])  # fmt: skip
 def test_a_follow_up_is_spelled_out(before, now, meant):
     assert spelled(now, before) == meant

@@ -87,6 +87,9 @@ def test_numbers_of_a_text(text, numbers):
     ("STOP if it slips, STOP if it turns, else GO", ["STOP", "GO"]),
     ("WHICH WAY DOES IT TURN, AND HOW FAR?", []),
     ("degrees/second, and/or", []),
+    ("fill in: keys way and deg", ["way", "deg"]),
+    ("IN or OUT?", ["IN", "OUT"]),
+    ("PASS if |x-3| <= 1, else FAIL", ["PASS", "FAIL"]),
     ("which one of the two?", []),
 ])  # fmt: skip
 def test_words_that_may_be_copied(text, words):
