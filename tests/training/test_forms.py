@@ -28,7 +28,7 @@ def clip():
 def test_there_are_many_parts():
     forms = _forms()
     assert len({each.program for each in forms.meanings}) >= 80
-    assert all(3 <= len(each.keys) <= 12 for each in forms.meanings)
+    assert all(4 <= len(each.keys) <= 12 for each in forms.meanings)
     assert len(forms.layouts) >= 60
 
 
