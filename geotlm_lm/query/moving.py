@@ -252,6 +252,9 @@ def shown_in(
     likely = (each for each in seen if each.probability >= 0.5)
     if at_s is not None:
         likely = (each for each in likely if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9)
+    elif context.begin is not None:  # what bounds a span may lie outside it
+        begin, end = (middle(context, each) for each in context.span)
+        likely = (each for each in likely if each.begin_s < end and each.end_s > begin)
     likely = (each for each in likely if each.component in (None, *components))
     return tuple(shown(context, each) for each in sorted(likely, key=lambda each: each.begin_s))
 

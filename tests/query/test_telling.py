@@ -116,6 +116,15 @@ def test_a_story_ends_with_the_end_of_contact():
     assert told("story ; as list").splitlines()[-1] == "6. at 4.0 s release"
 
 
+def test_a_reason_lies_in_the_span_that_is_asked_about():
+    assert told("within until begin nth 2 turn-events ccw").startswith(
+        "No: it turns clockwise, about 40 degrees"
+    )
+    assert told("within since begin nth 3 turn-events ccw") == (
+        "No: it turns clockwise, about 40 degrees, in the camera image."
+    )
+
+
 def test_no_is_told_with_what_is_so_instead():
     assert told("slide", of_clip(certain(turn=20))).startswith("No: it does not slide")
     assert told("ccw", of_clip(certain(turn=20))).startswith("No: it turns clockwise, about 20")
