@@ -28,6 +28,7 @@ from geotlm_lm import (
     change_map,
     draw_depth,
     drawing_of,
+    way_phrase,
 )
 
 from .pictures import PACKS
@@ -213,8 +214,7 @@ def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
         limit = "" if component not in belief.limits else _limit(belief, component)
         is_readable = belief.readable.get(component, True)
         return row | {"text": f"none{limit}" if is_readable else "not visible in these pictures"}
-    aslant = "" if movement.aslant is None else f" and a little {movement.aslant.value}"
-    way, sure = f"{movement.way.value}{aslant}", round(100 * movement.chance)
+    way, sure = way_phrase(movement), round(100 * movement.chance)
     if movement.amount is None:
         return row | {"text": way, "sure": sure}
     measured = movement.amount

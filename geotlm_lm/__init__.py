@@ -50,6 +50,7 @@ _HOME_OF = {
     "second_opinions": "geotlm_lm.reference_readings",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views",
+    "way_phrase": "geotlm_lm.query.phrases",
     "write_plot": "geotlm_lm.track.drawing",
 }
 
