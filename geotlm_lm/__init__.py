@@ -44,13 +44,13 @@ _HOME_OF = {
     "is_streamed": "geotlm_lm.recordings.streams",
     "open_source": "geotlm_lm.recordings.streams",
     "picture": "geotlm_lm.views",
-    "plot_png": "geotlm_lm.track.drawing",
+    "plot_png": "geotlm_lm.track.plot",
     "read_clip": "geotlm_lm.recordings.read",
     "regions_of": "geotlm_lm.answering.encoded",
     "second_opinions": "geotlm_lm.reference_readings",
     "simulate_touch": "geotlm_lm.simulation.touch",
     "views_of": "geotlm_lm.views",
-    "write_plot": "geotlm_lm.track.drawing",
+    "write_plot": "geotlm_lm.track.plot",
 }
 
 __all__ = ["__version__", *sorted(_HOME_OF)]
