@@ -171,7 +171,7 @@ class Pixels:
 
     layout: str | None = option(
         "Axes of an array, THWC, TCHW or THW (grey); BGR, or THWC-BGR, where OpenCV gave its "
-        "colours. [default: guessed, stated]"
+        "colours. [default: axes by the shape, red first]"
     )
     fps: float | None = option("Frames per second. [default: what the file says]")
     square_pixels: SquarePixels = None
