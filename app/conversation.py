@@ -59,6 +59,9 @@ OF_AN_ANSWER = {
 }
 """Questions about an answer, by its kind."""
 
+OF_TWO = ("Did they turn the same way?", "Which turned further?", "Which slid further?")
+"""Questions about two recordings."""
+
 MOST_SUGGESTED = 5
 
 
@@ -107,6 +110,8 @@ def suggested(shown: LoadedClip | None) -> list[str]:
         own[2:2] = [TURNED_BACK] if track.turned_back() else []
     if session.frame.mm_per_px is not None:
         own.insert(0, IN_MM)
+    if shown.second is not None:
+        own[:0] = OF_TWO
     last = session.last
     about_last = OF_AN_ANSWER.get(last.kind, ()) if last is not None and session.history else ()
     fitting = [question for question in (*about_last, *own) if question not in asked]

@@ -324,9 +324,9 @@ class LiveTalk:
         if (stream := live.stream) is None:
             raise GeoTLMError(WATCH_FIRST)
 
-        def redraw(shown: Any, _: Source) -> dict[str, Any]:
+        def redraw(shown: Any, _: Source) -> Filled:
             live.mm_per_px = shown.session.frame.mm_per_px
-            return stream.stage(mm_per_px=live.mm_per_px)
+            return {"stage": stream.stage(mm_per_px=live.mm_per_px)}
 
         talking = Talking(self.answerer, redraw, beside=lambda *_: {})
         source = Source(stream.name, stream.name)

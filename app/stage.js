@@ -63,6 +63,7 @@ const received = new Received();
 async function show(given) {
   shows += 1;
   const value = given && given.json ? JSON.parse(given.json) : given; // as of `toolkit.sent`
+  element.querySelector(".stage").toggleAttribute("data-open", Boolean(value && Object.keys(value).length));
   if (value && value.stream) await showStream(value, shows);
   else if (value && value.pack) await showRecording(value, shows);
   else showNothing();
@@ -385,10 +386,13 @@ time.addEventListener("wheel", (event) => {
   else return;
   event.preventDefault();
 }, { passive: false });
+for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
 for (const button of part("zoom").children) button.onclick = () => timeline.zoom(Number(button.dataset.zoom));
-new ResizeObserver(() => {
-  timeline.draw();
+const resized = new ResizeObserver(() => {
+  if (timeline.width !== time.clientWidth) timeline.draw();
   draw();
-}).observe(element);
+});
+resized.observe(time);
+resized.observe(picture);
 watch("value", () => show(props.value));
 show(props.value);

@@ -43,8 +43,13 @@ class Timeline {
 
   get whole() {
     if (this.data.window) return this.data.window;
-    const x = this.data.x;
+    const x = this.scale("x") || this.data.x;
     return [x[0], x[x.length - 1] > x[0] ? x[x.length - 1] : x[0] + 1];
+  }
+
+  // The lowest and highest value of a row that two recordings share.
+  scale(name) {
+    return (this.data.scale || {})[name];
   }
 
   get span() {
@@ -142,6 +147,7 @@ class Timeline {
         high = Math.max(high, mean + spread);
       });
     }
+    if (this.scale(lane.name)) [low, high] = [Math.min(low, this.scale(lane.name)[0]), Math.max(high, this.scale(lane.name)[1])];
     if (high - low < 1) [low, high] = [low - 0.5, high + 0.5];
     const y = (value) => top + height - 2 - ((value - low) / (high - low)) * (height - 4);
     const far = this.width - RIGHT;
@@ -182,7 +188,7 @@ class Timeline {
     if (!step.rows.length) this.text(LEFT, 24, step.text, "quiet");
     const wide = Math.min(220, 0.35 * (this.width - LEFT - RIGHT));
     step.rows.forEach((row, k) => {
-      const y = 2 + k * 26, middle = y + 12, most = 1.1 * (row.high || 1);
+      const y = 2 + k * 26, middle = y + 12, most = 1.1 * ((this.scale(row.name) || [])[1] || row.high || 1);
       this.text(2, y + 16, row.name, "name");
       const group = svg("g", { class: `amount ${row.name}` }), at = (value) => LEFT + (value / most) * wide;
       group.append(svg("rect", { class: "ground", x: LEFT, y: y + 2, width: wide, height: 20 }));

@@ -91,7 +91,11 @@ def html(
 
 def sent(name: str, value: Any) -> Any:
     """Return a part's value as it travels: the stage's as one text, which is copied at no cost."""
-    return {"json": json.dumps(value)} if name == "stage" and isinstance(value, dict) else value
+    return (
+        {"json": json.dumps(value)}
+        if name.startswith("stage") and isinstance(value, dict)
+        else value
+    )
 
 
 def filling(

@@ -4,7 +4,7 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.browser import CHAT, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -159,3 +159,18 @@ def test_a_recording_is_watched(browser, touch_path):
     browser.click("Stop and clear")
     browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('idle gel learnt')")
     browser.wait_for(f"!{CHAT}.innerText.includes('does not happen in this recording')")
+
+
+def test_two_recordings_are_compared_and_one_is_closed_again(browser):
+    second = "document.querySelector('.stage-second .stage')"
+    browser.open_example("bead")
+    browser.click("Compare", ".stage-actions button")
+    browser.wait_for(f"{second}.offsetParent && {TEXT}.includes('Choose a second recording')")
+    browser.click("cable", "button.example")
+    browser.wait_for(f"{second}.dataset.shown == 'all' && {second}.innerText.includes('cable')")
+    assert browser.run(NAME + ".innerText") == "bead"
+    browser.ask("Do they turn the same way?")
+    browser.wait_for(f"{CHAT}.innerText.includes('the first ')")
+    browser.run(f"{second}.querySelector('[data-event=collapse]').click()")
+    browser.wait_for(f"!{second}.offsetParent && {SHOWN}")
+    assert browser.run(NAME + ".innerText") == "bead"

@@ -168,7 +168,7 @@ def test_the_code_of_a_conversation_gives_its_answers(tmp_path, monkeypatch, cap
 
 
 def test_the_code_names_an_example_and_a_topic():
-    shown = SimpleNamespace(session=SimpleNamespace(frame=FrameSpec()))
+    shown = SimpleNamespace(second=None, session=SimpleNamespace(frame=FrameSpec()))
     code = code_of(examples()["coin"], ["Which way?"], shown)
     assert "read_clip('app/examples/coin_press.npz')\n" in code
     bag = Source(["/tmp/x/run.mcap"], "run.mcap", topic="/left")
