@@ -47,7 +47,13 @@ OF_EVENTS = {
 """Questions about events of a kind."""
 
 TURNED_BACK, STOPPED = "How often did it turn back?", "When did it stop?"
-WATCHED = (STORY, STOPPED, "How far did it turn?", "How long did it touch?")
+WATCHED = (
+    "What is happening now?",
+    STORY,
+    STOPPED,
+    "How far did it turn?",
+    "How long did it touch?",
+)
 """Questions about what is being watched."""
 
 IN_MM = "How many mm did it slide?"

@@ -122,6 +122,10 @@ class Timeline {
       if (!lane.events.length) this.text(LEFT + 6, top + 12, this.data.live ? "nothing yet" : "nothing", "quiet");
       top += STRIP + height + GAP;
     }
+    for (const mark of this.data.marks || []) {
+      const x = this.placeOf(mark);
+      if (x >= LEFT) this.root.append(svg("path", { class: "moment", d: `M${x} ${top - GAP}V0l6 6 -6 6` }));
+    }
     return top;
   }
 

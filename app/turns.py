@@ -135,7 +135,7 @@ class _InTurns:
 class AnswererInTurns(_InTurns):
     """An `Answerer` that waits for its turn; tracking lets others in between two frames."""
 
-    waiting = ("ask", "compare")
+    waiting = ("ask", "compare", "condition")
 
     def encode(self, clip: Any, **named: Any) -> Any:
         """As `Answerer.encode`."""
@@ -175,7 +175,7 @@ class SessionInTurns(_InTurns):
 class TrackerInTurns(_InTurns):
     """A `Tracker` each of whose frames waits for its turn."""
 
-    waiting = ("feed", "finish")
+    waiting = ("feed", "finish", "now")
 
     @property
     def so_far(self) -> Any:

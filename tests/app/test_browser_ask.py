@@ -152,12 +152,17 @@ def test_a_recording_is_watched(browser, touch_path):
     browser.upload("Recording", touch_path)
     browser.wait_for(f"{TEXT}.includes('touch')")
     watched = f"{TEXT}.includes('idle gel learnt · 40 frames')"
+    browser.fill("Mark the moment", "it has turned 300 degrees")
+    browser.click("Mark")
+    browser.wait_for(f"{TEXT}.includes('Will wait for this: it turns by more than 300 degrees')")
     browser.click_until("Watch", watched, "button.primary")
+    browser.wait_for(f"{TEXT}.includes('Did not hold: it turns by more than 300 degrees')")
     browser.wait_for(f"{TOLD}.includes('held')")
     browser.click("When did it stop?", ".chips button")
     browser.wait_for(f"{CHAT}.innerText.includes('does not happen in this recording')")
     browser.click("Stop and clear")
     browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('idle gel learnt')")
+    browser.wait_for(f"{value_of('Mark the moment')} == '' && !{TEXT}.includes('Did not hold')")
     browser.wait_for(f"!{CHAT}.innerText.includes('does not happen in this recording')")
 
 
@@ -174,3 +179,9 @@ def test_two_recordings_are_compared_and_one_is_closed_again(browser):
     browser.run(f"{second}.querySelector('[data-event=collapse]').click()")
     browser.wait_for(f"!{second}.offsetParent && {SHOWN}")
     assert browser.run(NAME + ".innerText") == "bead"
+
+
+def test_a_camera_that_is_missing_is_told_in_words(browser):
+    browser.click("Live", "button[role=tab]")
+    browser.click("Click to Access Webcam")
+    browser.wait_for(f"{TEXT}.includes('No camera is connected')")
