@@ -85,16 +85,19 @@ function showNothing() {
 }
 
 async function showRecording(value, turn) {
-  const isSame = data && data.pack === value.pack && data.name === value.name;
+  const before = data, isSame = data && data.pack === value.pack && data.name === value.name;
   data = value;
   received.begin(null);
-  if (!isSame) images = [];
+  const isLike = before && !before.stream && before.name === value.name && before.count === value.count;
+  if (!isSame && !isLike) images = [];
   title();
   scrub.min = 0;
   timeline.show(data);
   if (!isSame) {
     const all = await imagesOf(value.pack);
     if (turn !== shows && (!data || data.pack !== value.pack)) return; // another was opened meanwhile
+    // What is like the one before takes its place at once, at the same frame.
+    if (isLike && all) await Promise.all(all.map((image) => image.decode().catch(() => null)));
     images = all ? all.slice(0, value.count) : [];
     for (const image of images) image.addEventListener("load", () => image === images[frame] && draw());
     const [idleImage] = all && value.has_idle ? all.slice(value.count) : [];
@@ -102,7 +105,7 @@ async function showRecording(value, turn) {
     if (idleImage) await idleImage.decode().catch(() => null);
     if (turn !== shows && (!data || data.pack !== value.pack)) return;
     idle = idleImage && idleImage.naturalWidth ? pixelsOf(idleImage) : null;
-    go(0);
+    go(isLike ? frame : 0);
     if (!wantsRest) play();
   }
   showLayers();

@@ -90,8 +90,8 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
             ask_tab.build(answerer, page)
         with gr.Tab("Live"):
             live_tab.build(answerer)
-        with gr.Tab("Simulate"):
-            simulate_tab.build(answerer)
+        with gr.Tab("Simulate") as tab:
+            simulate_tab.build(answerer, tab)
         for tool in tools:
             tool.serve()
         sessions.remove_uploads_with_session(page)
