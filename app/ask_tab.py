@@ -101,18 +101,20 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
     files, upload = parts["files"], filling(parts, opens.upload)
-    for trigger in (files.upload, files.clear, files.delete):
+    running = [
         trigger(upload, [files, *before], outputs, **at_stage)
+        for trigger in (files.upload, files.clear, files.delete)
+    ]
 
     def open_example(*given: Any) -> Iterator[Filled]:
         *now, event = given
         yield from opens.example(str(event._data.get("example")), *now)
 
     clicked = filling(parts, open_example, gr.EventData)
-    parts["examples"].click(clicked, before, outputs, **at_stage)
+    running.append(parts["examples"].click(clicked, before, outputs, **at_stage))
     spanned = [parts[name] for name in ("source", "first", "last_frame", "topic")]
     again = filling(parts, opens.read_again)
-    parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
+    running.append(parts["read"].click(again, [*spanned, *before], outputs, **at_stage))
 
     compares = [parts[name] for name in ("stage_second", "is_comparing", COMPLAINT)]
     comparing = filling(parts, opens.compare)
@@ -123,7 +125,10 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     def visit(request: Any) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
 
-    page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage)
+    running.append(page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage))
+    stopping = filling(parts, opens.stop)
+    for name in ("stage", "stage_second"):
+        parts[name].stop(stopping, before, outputs, cancels=running, **QUIET)
 
 
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:

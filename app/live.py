@@ -36,7 +36,7 @@ from .conversation import WATCHED, exchanges, fields_of, in_frame
 from .opening import Source
 from .pictures import jpeg_address
 from .stage import limits_of, outline, timeline_of
-from .talking import Talking
+from .talking import Talking, stopped
 from .toolkit import COMPLAINT, Filled
 
 if TYPE_CHECKING:
@@ -356,7 +356,7 @@ class LiveTalk:
 
     def shown_again(self, live: LiveSession, *_: Any) -> Iterator[Filled]:
         """As `Talking.shown_again`."""
-        yield {"chat": exchanges(live.stream and live.stream.session)}
+        yield {"chat": exchanges(stopped(live.stream and live.stream.session))}
 
     def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation anew; the frame that the page shows still holds."""

@@ -6,7 +6,7 @@ import base64
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from html import escape
 from pathlib import Path
 from threading import Lock
@@ -29,12 +29,22 @@ from geotlm_lm import (
 )
 
 from . import stage
-from .clips import LoadedClip, Second, compared, latest_upload, load_clip, span_of
+from .clips import (
+    LoadedClip,
+    Second,
+    compared,
+    latest_upload,
+    load_clip,
+    perceive,
+    read_named,
+    span_of,
+)
 from .conversation import exchanges, in_frame, suggested
 from .guards import QUESTION_CHARACTERS
 from .pictures import jpeg_address
 from .sources import EXAMPLES, RECORDING_FOLDER
 from .toolkit import Filled, html
+from .turns import reported
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -156,7 +166,6 @@ class Opening:
         if (source := examples().get(key)) is None:
             return
         if _compares(*before):
-            yield {"stage_second": _unread(source)}
             yield from self._open_second(source, *before)
             return
         yield _closed(*before) | EMPTY_FIELDS | {"files": None, "stage": _unread(source)}
@@ -167,6 +176,10 @@ class Opening:
         if shown is None:
             raise GeoTLMError("No recording is open; open one first.")
         yield {"is_comparing": True, "stage_second": CHOOSING}
+
+    def stop(self, *before: Any) -> Iterator[Filled]:
+        """Show nothing of a recording that is being opened, and is opened no more."""
+        yield {"stage_second": CHOOSING} if _compares(*before) else _closed(*before)
 
     def close_second(self, shown: LoadedClip | None, source: Source | None) -> Iterator[Filled]:
         """Go back to one recording; its conversation goes on."""
@@ -186,7 +199,7 @@ class Opening:
         *_: Any,
     ) -> Iterator[Filled]:
         try:
-            loaded = self._load(second)
+            loaded = yield from self._loading(second, name="stage_second")
             shown = compared(shown, Second(loaded, second.name))
             stages = stage.stages_of(shown, source.name)
         except Exception:
@@ -209,7 +222,7 @@ class Opening:
             raise GeoTLMError(
                 f"The link names the example {key[:40]!r}, which does not exist; open one below."
             )
-        yield {"stage": _unread(source), "source": source}
+        yield {"source": source}
         for values in self._open(source, ([], None, None)):
             yield values
         question = query.get("q", "" if query.get("example") else FIRST_QUESTION)
@@ -237,16 +250,29 @@ class Opening:
         # An error is shown only after the clip before is closed: it must not answer for this one.
         try:
             span = span_of(first, last)
-            shown = self._load(source, first, last)
+            shown = yield from self._loading(source, first, last)
             yield _opened(shown, replace(source, span=span), *before)
         except Exception:
             yield _closed(*before) | {"source": source}
             raise
 
-    def _load(self, source: Source, first: str = "", last: str = "") -> LoadedClip:
-        if source.example and span_of(first, last) is None:
-            return self._example(source)
-        return load_clip(self._answerer, source.path, first, last, source.topic)
+    def _loading(
+        self, source: Source, first: str = "", last: str = "", name: str = "stage"
+    ) -> Iterator[Filled]:
+        """Show a recording at a stage, and how far it is tracked; return it."""
+        span = span_of(first, last)
+        recording = read_named(source.path, source.topic)
+        unread = stage.opening(recording, source.name)
+        yield {name: unread}
+        if source.example and span is None:
+            work = partial(self._example, source)
+        else:
+            work = partial(perceive, self._answerer, recording, span=span)
+
+        def show(what: str, done: int, total: int) -> Filled:
+            return {name: unread | {"progress": f"{what}, {done / max(total, 1):.0%}"}}
+
+        return (yield from reported(work, show))
 
     def _example(self, source: Source) -> LoadedClip:
         """Return an example, perceived once, with a conversation of its own."""

@@ -152,6 +152,7 @@ function title() {
   part("about").textContent = data ? data.about : "";
   part("live").hidden = !(data && data.live);
   part("notes").textContent = ((data && data.notes) || []).join(" ");
+  part("stop").hidden = !(data && data.pending);
   part("zoom").hidden = part("legend").hidden = !(data && data.timeline);
   playButton.disabled = scrub.disabled = !data;
   if (!data) return;
@@ -261,7 +262,7 @@ function showResult() {
 
 function resultText() {
   if (data.step) return data.step.text;
-  if (!data.timeline) return data.pending ? "reading the motion…" : "";
+  if (!data.timeline) return data.pending ? data.progress || "reading the motion…" : "";
   const now = data.x[frame];
   const moves = data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
   const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);

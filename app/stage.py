@@ -226,6 +226,11 @@ def motion_of(shown: LoadedClip, frame: FrameSpec) -> Any:
     return session.answerer.session(shown.encoded, frame=frame).ask(OF_MOTION).values[0]
 
 
+def way_of(shown: LoadedClip, frame: FrameSpec) -> Any:
+    """Return the way of the largest motion that the stage shows; None where there is none."""
+    return next((movement.way for movement in _movements(motion_of(shown, frame))), None)
+
+
 def step_of(moved: Any, shown: LoadedClip) -> dict[str, Any]:
     """Return each component of a short clip's motion, from end to end, and its detection limit."""
     from geotlm_lm import LEAST_SURE  # with the model's libraries

@@ -14,6 +14,7 @@ from .clips import LoadedClip, compared
 from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
 from .opening import Source, about_clip, nothing_asked, offered
 from .toolkit import Filled
+from .turns import SessionInTurns
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -44,7 +45,7 @@ def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source
         "notes": notes,
         "probabilities": likeliest[:MOST_OPTIONS],
         "band": _band(answerer, details),
-        "verdicts": _verdicts(answer, details, shown.opinions),
+        "verdicts": _verdicts(answer, shown),
         "regions": [
             [name.replace("_", " "), *(round(values[key], 3) for key in REGION_VALUES)]
             for name, values in details.get("evidence", {}).get("regions", {}).items()
@@ -125,7 +126,7 @@ class Talking:
 
     def shown_again(self, shown: LoadedClip | None, *_: Any) -> Iterator[Filled]:
         """Show the conversation without the question that was being answered."""
-        yield {"chat": exchanges(None if shown is None else shown.session)}
+        yield {"chat": exchanges(stopped(shown and shown.session))}
 
     def forget(
         self, shown: LoadedClip | None, source: Source | None, facts: list[str], *_: Any
@@ -143,15 +144,26 @@ class Talking:
         }
 
 
-def _verdicts(answer: Any, details: dict[str, Any], opinions: dict[str, Any]) -> list[list[Any]]:
-    """Return the motion that each method reads, all told from the answer's point of view."""
-    probe, flow = opinions["probe"], opinions["optical_flow"]
+def stopped(session: Any) -> Any:
+    """Return a conversation, if there is one, whose question is being answered no more."""
+    if isinstance(session, SessionInTurns):
+        session.stop()
+    return session
+
+
+def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
+    """Return the motion that each method reads, all told from the answer's point of view.
+
+    Of an answer that is no motion it is the motion that the picture shows.
+    """
+    probe, flow = shown.opinions["probe"], shown.opinions["optical_flow"]
+    motion = answer.direction or stage.way_of(shown, answer.frame)
     fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
     turn, right, down, _ = answer.edit.matrix @ fitted + 0.0  # 0.0 has no sign of its own
     far = along(turn, right, down) or "nothing moves"
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
-        ["answer", _way(answer.direction), answer.text],
+        ["answer", _way(motion), answer.text],
         ["linear probe", answer.edit.of_way(Motion(probe["motion"])).value, sure],
         ["optical flow", answer.edit.of_way(Motion(flow["motion"])).value, far],
     ]

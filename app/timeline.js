@@ -186,7 +186,7 @@ class Timeline {
   drawStep() {
     const step = this.data.step;
     if (!step) {
-      this.text(LEFT, 24, this.data.pending ? "Reading the motion…" : "", "quiet");
+      this.text(LEFT, 24, this.data.pending ? this.data.progress || "Reading the motion…" : "", "quiet");
       return 40;
     }
     if (!step.rows.length) this.text(LEFT, 24, step.text, "quiet");

@@ -369,7 +369,8 @@ class Tracker:
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")
         if self._lost:
-            notes.append(f"In {self._lost} frames the imprint was lost: how it moved is not known.")
+            frames = "1 frame" if self._lost == 1 else f"{self._lost} frames"
+            notes.append(f"In {frames} the imprint was lost: how it moved is not known.")
         return tuple(notes)
 
 

@@ -1,9 +1,13 @@
 """The page in a real browser: every tab is used as a person does, mistakes are made."""
 
+import threading
+import time
+
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
+from geotlm_lm import Session  # noqa: E402
 from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.slow
@@ -187,3 +191,52 @@ def test_a_camera_that_is_missing_is_told_in_words(browser):
     browser.click("Live", "button[role=tab]")
     browser.click("Click to Access Webcam")
     browser.wait_for(f"{TEXT}.includes('No camera is connected')")
+
+
+def test_a_question_that_is_stopped_does_not_appear_later(browser, monkeypatch):
+    release, ask = threading.Event(), Session.ask
+    browser.open_example("bead")
+
+    def slow(session, question):
+        release.wait(30)
+        return ask(session, question)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Session, "ask", slow)
+        browser.fill("Question", "How far did it go?")
+        browser.click("Ask", "button.primary")
+        browser.wait_for(f"{CHAT}.innerText.includes('Answering…')")
+        browser.click("Stop", ".waits button")
+        browser.wait_for(f"!{CHAT}.innerText.includes('How far did it go?')")
+        release.set()
+    browser.ask("Which way does it go?")
+    browser.wait_for(f"{CHAT}.innerText.includes('It slides ')")
+    assert "How far did it go?" not in browser.run(f"{CHAT}.innerText")
+
+
+def test_a_recording_shows_how_far_it_is_tracked_and_is_stopped(
+    browser, fake, recordings, monkeypatch
+):
+    encode, stopped = fake.encode, []
+
+    def slow(clip, *, progress, **named):
+        try:
+            for number in range(400):
+                progress("tracking", number, 400)
+                time.sleep(0.05)
+        except Exception as error:
+            stopped.append(error)
+            raise
+        return encode(clip, **named)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fake, "encode", slow)
+        browser.upload("Recording", recordings["dark"])
+        browser.wait_for(f"/tracking, [0-9]+%/.test({STAGE}.innerText)", seconds=15)
+        browser.click("Stop", ".stage-bar button")
+        browser.wait_for(NOTHING_SHOWN, seconds=15)
+        until = time.monotonic() + 10
+        while not stopped and time.monotonic() < until:
+            time.sleep(0.05)
+    assert stopped
+    browser.open_example("cable")
