@@ -12,7 +12,7 @@ from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Seen
 
 from . import stage
 from .clips import LoadedClip, perceive
-from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, filling, gradio, literal
+from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, filling, gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Touch
@@ -59,7 +59,6 @@ def build(answerer: Answerer, tab: Any) -> None:
             parts[COMPLAINT] = complaint()
         with gr.Column(scale=3, min_width=320):
             parts["stage"] = stage.build(INVITES)
-            parts["sentence"] = gr.Markdown()
 
     def run(name: str, *given: float | None) -> Iterator[Filled]:
         *numbers, seed = given
@@ -68,10 +67,10 @@ def build(answerer: Answerer, tab: Any) -> None:
             for preset in PRESETS:
                 yield _filled(simulate(answerer, touch, preset), name.replace("_", " "))
         except Exception:
-            yield {"stage": {}, "sentence": ""}  # of the touch before
+            yield {"stage": {}}  # of the touch before
             raise
 
-    shown = [parts[name] for name in ("stage", "sentence", COMPLAINT)]
+    shown = [parts["stage"], parts[COMPLAINT]]
     newest = {**QUIET, **MODEL, "trigger_mode": "always_last"}
     for trigger in (tab.select, *(slider.input for slider in sliders)):
         trigger(filling(parts, run), sliders, shown, **newest)
@@ -81,7 +80,7 @@ def _filled(made: Simulated, name: str) -> Filled:
     values = stage.stage_of(made.shown, name, truth=made.truth)
     if values["step"]["rows"]:
         values["step"]["rows"] = _rows(made)
-    return {"stage": values, "sentence": f"### {literal(sentence_of(made.facts))}"}
+    return {"stage": values | {"notes": [sentence_of(made.facts)]}}
 
 
 def _rows(made: Simulated) -> list[dict[str, Any]]:

@@ -191,7 +191,7 @@ class Timeline {
     }
     if (!step.rows.length) this.text(LEFT, 24, step.text, "quiet");
     const hasTruth = step.rows.some((row) => row.true !== undefined);
-    const isNarrow = this.width < 520, tall = isNarrow ? 42 : 26; // words stand below, not beside
+    const isNarrow = this.width < 520, tall = isNarrow ? 44 : 26; // words stand below, not beside
     const wide = (isNarrow ? 1 : hasTruth ? 0.5 : Math.min(220 / this.width, 0.32)) * (this.width - LEFT - RIGHT);
     step.rows.forEach((row, k) => {
       const y = 2 + k * tall, middle = y + 12;
@@ -211,7 +211,7 @@ class Timeline {
       }
       this.root.append(group);
       const sure = row.sure === undefined ? "" : `, ${row.sure} % sure`;
-      this.text(isNarrow ? LEFT : LEFT + wide + 12, y + (isNarrow ? 36 : 16), `${row.text}${sure}`, row.moves ? "claim" : "quiet");
+      this.text(isNarrow ? 2 : LEFT + wide + 12, y + (isNarrow ? 37 : 16), `${row.text}${sure}`, row.moves ? "claim" : "quiet");
     });
     const below = step.rows.length * tall + 4;
     if (hasTruth) this.text(LEFT, below + 12, "● read, bar: nine tenths    ◇ true", "tick");
