@@ -45,7 +45,7 @@ ADVICE = {
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
     "pass --layout": "use the command line with --layout",
     "pass --square-pixels": "use the command line with --square-pixels",
-    "by --topic": "as `topic`, on the page under Frames and notes of the Ask tab",
+    "by --topic": "as `topic`, on the page under Details of the Ask tab",
 }
 """Advice for a person at the command line, and for one at the page."""
 
