@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import time
 from pathlib import Path
 
 import pytest
@@ -228,10 +229,12 @@ def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(brows
     for size, unit in (("0.05", "mm"), ("0", "px")):
         browser.run(f"{field}.focus()")
         browser.fill("Millimetres per pixel", size)
+        time.sleep(0.5)  # a person's, in which the page takes the number over
         browser.run(f"{field}.blur()")
         browser.wait_for(f"{panel}.includes('{unit}')", seconds=60)
     browser.run(f"{field}.focus()")
     browser.fill("Millimetres per pixel", "60")
+    time.sleep(0.5)
     browser.run(f"{field}.blur()")
     browser.wait_for(f"{TEXT}.includes('A pixel of 60 mm was given, expected')", seconds=60)
 
