@@ -28,7 +28,6 @@ def draw(folder: Path) -> None:
                 browser.ask(question)
             _shoot(browser, folder / "page_ask.png")
             browser.click("Simulate", "button[role=tab]")
-            browser.click("Simulate and ask", "button.primary")
             browser.wait_for(SHOWN)
             _shoot(browser, folder / "page_simulate.png")
         finally:

@@ -11,7 +11,7 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import GeoTLMError, __version__
-from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.errors import MissingDependency, choice_of
 
 from .guards import AT_ONCE, BUSY_STATUS, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE, Busy
 from .tools import Tool
@@ -103,7 +103,7 @@ def server_of(tools: list[Tool]) -> Server:
     async def call_tool(name: str, arguments: dict[str, Any]) -> types.CallToolResult:
         try:
             if name not in known:
-                raise GeoTLMError(f"There is no tool {name[:80]!r}; there are {', '.join(known)}.")
+                raise GeoTLMError(f"There is no tool {name[:80]!r}; {choice_of(name, known)}")
             run = partial(to_thread.run_sync, known[name].call, arguments, limiter=limiter)
             result = await _with_progress(run, server.request_context)
         except GeoTLMError as error:

@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any
 import cv2
 import numpy as np
 
-from geotlm_lm import DEFAULT_FPS, Exported, FrameSpec, Motion, picture, plot_png
+from geotlm_lm import (
+    DEFAULT_FPS,
+    Exported,
+    FrameSpec,
+    Motion,
+    draw_caption,
+    draw_motion,
+    picture,
+    plot_png,
+)
 
 from . import schema as p
 from .clips import LoadedClip, OpenedRecordings
@@ -21,6 +30,9 @@ from .turns import LISTENER
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
+
+SHORT_ANSWER = ("text", "decided", "confidence", "amount", "direction", "query")
+"""Fields of an answer without details."""
 
 SAME_WAY = "Do they go the same way?"
 
@@ -41,7 +53,7 @@ class Api:
         )
 
     def recordings(self) -> p.Listing:
-        """List the recordings that other tools take by name, with kind and size, and examples."""
+        """List the recordings and examples that other tools take by name, with kind and length."""
         return self._sources.listing()
 
     def ask(
@@ -57,15 +69,18 @@ class Api:
         contact_side: p.ContactSide = None,
         mm_per_px: p.MmPerPx = None,
         topic: p.Topic = None,
+        details: p.Details = False,
     ) -> p.AnswerResult:
         """Answer a question about how the touched object in a recording moves.
 
-        Returns the words, the direction as the frame of reference tells it, an amount with its
-        span, the calibrated confidence, whether the answer was withheld, and the evidence.
+        Returns the words, the decision, the calibrated confidence, an amount with its span, the
+        direction as the frame of reference tells it, and how the question was read; with `details`
+        also what it rests on.
         """
         frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
         shown = self._opened.open(recording, frames, topic)
-        return self._answerer.ask(shown.encoded, question, frame=frame).to_dict()
+        answer = self._answerer.ask(shown.encoded, question, frame=frame).to_dict()
+        return answer if details else {name: answer[name] for name in SHORT_ANSWER}
 
     def track(
         self,
@@ -207,19 +222,20 @@ class Api:
         mm_per_px: p.MmPerPx = None,
         topic: p.Topic = None,
     ) -> p.PictureResult:
-        """Draw a recording: four frames with what the model sees in them, or a track over time.
+        """Draw a recording: four frames with how far each has moved, or a track over time.
 
         Directions are those of the recorded image. Returns a PNG.
         """
+        whole, track = self._tracked(recording, frames, topic)
         if shows == "timeline":
-            whole, track = self._tracked(recording, frames, topic)
-            png = plot_png(Exported(track, mm_per_px), in_frames=not whole.is_timed)
-            return _pictured(png, f"{whole.name}: turn, travel, contact and events over time")
+            options = {"in_frames": not whole.is_timed, "title": whole.name}
+            png = plot_png(Exported(track, mm_per_px), **options)
+            return _pictured(png, f"{whole.name}: turn, slide, depth, contact and grip over time")
         shown = self._opened.open(recording, frames, topic)
         numbers = ", ".join(str(number) for number in shown.encoded.clip.frame_numbers)
-        name = "arrows" if shows == "overlay" else shows
         return _pictured(
-            _sheet(shown, name), f"{shown.encoded.clip.name}: {shows}, frames {numbers}"
+            _sheet(shown, shows, whole, track),
+            f"{shown.encoded.clip.name}: {shows}, frames {numbers}",
         )
 
     def _tracked(self, given: str, frames: list[int] | None, topic: str | None) -> tuple[Any, Any]:
@@ -233,15 +249,28 @@ class Api:
         return opened.recording, track.between(*frames)
 
 
-def _sheet(shown: LoadedClip, view: str) -> bytes:
-    """Return the four frames in one picture, two by two, as a PNG."""
-    last = len(shown.seen.frames) - 1
-    drawn = [picture(shown.seen, view, min(place, last)) for place in range(4)]
+def _sheet(shown: LoadedClip, view: str, whole: Any, track: Any) -> bytes:
+    """Return the four frames in one picture, two by two, each with its time, as a PNG."""
+    numbers, drawn = shown.encoded.clip.frame_numbers, []
+    path, first = track.path_from_start, _place_of(track, numbers[0])
+    for place, number in enumerate([*numbers, *numbers[-1:] * 4][:4]):
+        name = {"overlay": "raw", "shear": "arrows"}.get(view, view)
+        image = picture(shown.seen, name, min(place, len(numbers) - 1))
+        if view == "overlay":
+            way = path[_place_of(track, number)] - path[first]
+            image = draw_motion(image, shown.seen, *way[:3])
+        time_s = f"{whole.second_of(number, DEFAULT_FPS):.2f} s, " if whole.is_timed else ""
+        drawn.append(draw_caption(image, f"{time_s}frame {number}"))
     pairs = [np.concatenate(drawn[place : place + 2], axis=1) for place in (0, 2)]
     is_made, png = cv2.imencode(".png", cv2.cvtColor(np.concatenate(pairs), cv2.COLOR_RGB2BGR))
     if not is_made:
         raise ValueError("the picture could not be made a PNG")
     return png.tobytes()
+
+
+def _place_of(track: Any, number: int) -> int:
+    """Return which tracked frame is nearest: repeated ones are left out."""
+    return int(np.abs(track.numbers - number).argmin())
 
 
 def _pictured(png: bytes, shows: str) -> p.PictureResult:

@@ -20,13 +20,13 @@ CONTEXT = ("shown", "source", "frame", "mm_per_px")
 
 ANSWERED = (
     *("chat", "evidence", "code", "last", "question", "frame", "mm_per_px", "framed", "chips"),
-    *("saving", "stage", COMPLAINT),
+    *("saving", "stage", "stage_second", COMPLAINT),
 )
 """What is filled when a question is answered."""
 
 OPENED = (
     *(name for name in ANSWERED if name not in ("question", "frame")),
-    *("shown", "source", "first", "last_frame", "topic", "files"),
+    *("shown", "source", "first", "last_frame", "topic", "files", "is_comparing"),
 )
 """What is filled when a recording is opened or closed."""
 
@@ -34,12 +34,14 @@ OPENED = (
 def build(answerer: Answerer, page: Any) -> None:
     """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
     gr = gradio()
-    parts: dict[str, Any] = {name: gr.State() for name in ("shown", "source", "last")}
+    states = ("shown", "source", "last", "is_comparing")
+    parts: dict[str, Any] = {name: gr.State() for name in states}
     with gr.Row(elem_classes=["ask"]):
         with gr.Column(elem_classes=["ask-talk"]):
             parts |= conversation.talk()
         with gr.Column(elem_classes=["ask-stage"]):
-            parts["stage"] = stage.build()
+            parts["stage"] = stage.build(actions=stage.COMPARE)
+            parts["stage_second"] = stage.build(CHOOSE_SECOND, stage.CLOSE, "stage-second")
     with gr.Row(elem_classes=["gallery"]):
         parts["files"] = gr.File(
             label="Recording or images",
@@ -59,7 +61,7 @@ def build(answerer: Answerer, page: Any) -> None:
     conversation.connect(parts, talking, CONTEXT, ANSWERED)
     # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
     given = [parts[name] for name in ("shown", "source", "mm_per_px")]
-    resized = [parts[name] for name in ("stage", "chips", COMPLAINT)]
+    resized = [parts[name] for name in ("stage", "stage_second", "chips", COMPLAINT)]
     for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
         trigger(filling(parts, talking.resize), given, resized, **QUIET, **MODEL)
     _connect_saving(gr, parts)
@@ -86,34 +88,47 @@ def _details(gr: Any) -> dict[str, Any]:
     return parts
 
 
+CHOOSE_SECOND = "Choose a second recording below, or drop one there: both are asked about then."
+
 CODE = '<button type="button" hidden>Copy</button><pre tabindex="0" aria-label="Code"></pre>'
 
 PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Python, MCP</a></p>'
 
 
 def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) -> None:
-    before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
+    before = [parts[name] for name in ("frame", "mm_per_px", "shown", "source", "is_comparing")]
     outputs = [parts[name] for name in OPENED]
     asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
     files, upload = parts["files"], filling(parts, opens.upload)
-    for trigger in (files.upload, files.clear, files.delete):
+    running = [
         trigger(upload, [files, *before], outputs, **at_stage)
+        for trigger in (files.upload, files.clear, files.delete)
+    ]
 
     def open_example(*given: Any) -> Iterator[Filled]:
         *now, event = given
         yield from opens.example(str(event._data.get("example")), *now)
 
     clicked = filling(parts, open_example, gr.EventData)
-    parts["examples"].click(clicked, before, outputs, **at_stage)
+    running.append(parts["examples"].click(clicked, before, outputs, **at_stage))
     spanned = [parts[name] for name in ("source", "first", "last_frame", "topic")]
     again = filling(parts, opens.read_again)
-    parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
+    running.append(parts["read"].click(again, [*spanned, *before], outputs, **at_stage))
+
+    compares = [parts[name] for name in ("stage_second", "is_comparing", COMPLAINT)]
+    comparing = filling(parts, opens.compare)
+    parts["stage"].expand(comparing, parts["shown"], compares, queue=False, **PRIVATE)
+    closing, pair = filling(parts, opens.close_second), [parts["shown"], parts["source"]]
+    parts["stage_second"].collapse(closing, pair, outputs, **at_stage)
 
     def visit(request: Any) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
 
-    page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage)
+    running.append(page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage))
+    stopping = filling(parts, opens.stop)
+    for name in ("stage", "stage_second"):
+        parts[name].stop(stopping, before, outputs, cancels=running, **QUIET)
 
 
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:

@@ -45,7 +45,7 @@ ADVICE = {
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
     "pass --layout": "use the command line with --layout",
     "pass --square-pixels": "use the command line with --square-pixels",
-    "by --topic": "as `topic`, on the page under Frames and notes of the Ask tab",
+    "by --topic": "as `topic`, on the page under Details of the Ask tab",
 }
 """Advice for a person at the command line, and for one at the page."""
 
@@ -60,11 +60,29 @@ class LoadedClip:
     encoded: Any
     seen: Seen
     session: Any
+    second: Second | None = None  # that it is compared with, in the same conversation
 
     @cached_property
     def opinions(self) -> dict[str, Any]:
         """What the linear probe and optical flow read, as plain values; only where it is shown."""
         return second_opinions(self.session.answerer, self.encoded).to_dict()
+
+
+@dataclass(frozen=True, eq=False)
+class Second:
+    """The second recording of a comparison, and what it is called."""
+
+    shown: LoadedClip
+    name: str
+
+
+def compared(first: LoadedClip, second: Second | None) -> LoadedClip:
+    """Return a recording that is compared with a second one, or with none; both are asked about."""
+    session = first.session
+    del session.clips[1:]
+    if second is not None:
+        session.add_clip(second.shown.encoded)
+    return replace(first, second=second)
 
 
 def load_clip(

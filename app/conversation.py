@@ -47,7 +47,13 @@ OF_EVENTS = {
 """Questions about events of a kind."""
 
 TURNED_BACK, STOPPED = "How often did it turn back?", "When did it stop?"
-WATCHED = (STORY, STOPPED, "How far did it turn?", "How long did it touch?")
+WATCHED = (
+    "What is happening now?",
+    STORY,
+    STOPPED,
+    "How far did it turn?",
+    "How long did it touch?",
+)
 """Questions about what is being watched."""
 
 IN_MM = "How many mm did it slide?"
@@ -58,6 +64,9 @@ OF_AN_ANSWER = {
     "bool": ("How sure are you?", "Why do you say so?"),
 }
 """Questions about an answer, by its kind."""
+
+OF_TWO = ("Did they turn the same way?", "Which turned further?", "Which slid further?")
+"""Questions about two recordings."""
 
 MOST_SUGGESTED = 5
 
@@ -107,6 +116,8 @@ def suggested(shown: LoadedClip | None) -> list[str]:
         own[2:2] = [TURNED_BACK] if track.turned_back() else []
     if session.frame.mm_per_px is not None:
         own.insert(0, IN_MM)
+    if shown.second is not None:
+        own[:0] = OF_TWO
     last = session.last
     about_last = OF_AN_ANSWER.get(last.kind, ()) if last is not None and session.history else ()
     fitting = [question for question in (*about_last, *own) if question not in asked]

@@ -6,6 +6,7 @@ object that both look at, and whatever sees that it is watched no more ends.
 
 from __future__ import annotations
 
+import re
 import secrets
 import time
 from collections.abc import Iterator, Sequence
@@ -31,11 +32,11 @@ from geotlm_lm import (
 
 from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
-from .conversation import WATCHED, exchanges, in_frame
+from .conversation import WATCHED, exchanges, fields_of, in_frame
 from .opening import Source
 from .pictures import jpeg_address
 from .stage import limits_of, outline, timeline_of
-from .talking import Talking
+from .talking import Talking, stopped
 from .toolkit import COMPLAINT, Filled
 
 if TYPE_CHECKING:
@@ -69,6 +70,10 @@ LEAST_FRAMES = 5
 LEAST_KEPT = 3 * LEAST_FRAMES
 """Frames that are kept however large they are: of half of them enough are settled."""
 
+NOW = re.compile(r"\b(now|currently|at the moment)\b", re.IGNORECASE)
+NOW_S = 1.0
+"""What a question asks of the present by, and how far back that reaches."""
+
 WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
 UNASKED: Filled = {"chat": exchanges(None), "last": None, "framed": "", COMPLAINT: ""}
@@ -88,15 +93,21 @@ class LiveStream:
         self.key, self.count, self.is_over = secrets.token_hex(4), 0, False
         self._answerer, self._tracker = answerer, answerer.tracker()
         self._kept: list[tuple[int, Image]] = []
+        self._monitor: Any = None
+        self._moment: tuple[float, str] | None = None
         self._apart, self._stuck = 1, StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
-        self._shown: tuple[tuple[int, bool], LoadedClip] | None = None
+        self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
         self._talk: LoadedClip | None = None
 
     def feed(self, frame: Image, time_s: float, number: int | None = None) -> list[Any]:
         """Take in the next frame, as `Tracker.feed`, and return the events that are over."""
         number = self.count if number is None else number
         events = self._tracker.feed(frame, time_s, number)
+        if self._monitor is not None and self._moment is None:
+            verdict = self._monitor.judged(time_s, number)
+            if verdict.holds:
+                self._moment = verdict.time_s, verdict.text
         if self.is_camera:
             self._stuck.after(frame, time_s)
         if self.count % self._apart == 0:
@@ -106,6 +117,13 @@ class LiveStream:
         self.count += 1
         self._now_s = time_s
         return events
+
+    def wait_for(self, condition: Any) -> None:
+        """Mark the moment at which a condition first holds, from now on; None waits for nothing."""
+        from geotlm_lm import Monitor  # with the model's libraries
+
+        self._monitor = None if condition is None else Monitor(self._tracker, condition)
+        self._moment = None
 
     def finish(self) -> None:
         """Take the last events as the end cuts them off; nothing is fed after that."""
@@ -141,16 +159,33 @@ class LiveStream:
             "timeline": timeline_of(drawing, "s", limits_of(track, units), since_s),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
+            "condition": self._condition_text(),
+            "marks": [] if self._moment is None else [round(self._moment[0], 3)],
             "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],
         }
 
-    def shown(self) -> LoadedClip:
-        """Return what was seen so far, ready for questions; the conversation goes on."""
-        track = self._tracker.so_far
+    def _condition_text(self) -> str:
+        if self._monitor is None:
+            return ""
+        words = self._monitor.condition.restated
+        if self._moment is not None:
+            return f"From {self._moment[0]:.2f} s on: {words}. {self._moment[1]}"
+        return f"Did not hold: {words}." if self.is_over else f"Waiting for this: {words}."
+
+    def shown(self, *, is_now: bool = False) -> LoadedClip:
+        """Return what was seen so far, ready for questions; the conversation goes on.
+
+        Of the present it is the last second, up to the last frame.
+        """
+        track = self._tracker.now() if is_now and not self.is_over else self._tracker.so_far
         kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
         if len(kept) < LEAST_FRAMES:
             raise GeoTLMError(WATCH_FIRST)
-        seen = len(track), self.is_over  # its end cuts off the last events
+        if is_now:
+            last = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
+            kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
+            track = track.between(int(last[0]), int(last[-1]))
+        seen = len(track), self.is_over, is_now  # its end cuts off the last events
         before, talk = self._shown, self._talk
         if before is not None and before[0] == seen:
             return before[1]
@@ -203,6 +238,7 @@ class LiveSession:
     began_s: float = 0.0  # when the first one of the stream came, likewise
     mm_per_px: float | None = None
     shape: tuple[int, ...] = ()  # of the frames that have pixels of this size
+    condition: Any = None  # whose moment is marked
 
     def begin(self, stream: LiveStream) -> Filled:
         """Watch another stream, and return what the parts show of it at first."""
@@ -210,7 +246,22 @@ class LiveSession:
         if self.shape not in ((), stream.shape):
             self.mm_per_px, values["mm_per_px"] = None, 0  # it was stated of other pixels
         self.stream, self.shape = stream, stream.shape
+        stream.wait_for(self.condition)
         return values
+
+
+def wait_for(
+    answerer: Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
+) -> Iterator[Filled]:
+    """Mark the moment from which on a condition in words holds; no words wait for nothing."""
+    frame = FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
+    live.condition = answerer.condition(text, frame=frame) if text.strip() else None
+    if live.stream is None:
+        words = live.condition and f"Will wait for this: {live.condition.restated}."
+        yield {"stage": {"condition": words or ""}}
+        return
+    live.stream.wait_for(live.condition)
+    yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
 
 
 def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
@@ -292,17 +343,20 @@ class LiveTalk:
         self, question: str, live: LiveSession, facts: list[str], *size: Any
     ) -> Iterator[Filled]:
         """As `Talking.ask`, unless something else is watched when the answer comes."""
-        return self._answers(live, "ask", (question,), (facts, *size))
+        is_now = bool(NOW.search(question))
+        return self._answers(live, "ask", (question,), (facts, *size), is_now)
 
     def again(self, live: LiveSession, facts: list[str], *size: Any) -> Iterator[Filled]:
         """As `Talking.again`, likewise."""
         if live.stream is None or live.stream.session is None:
             return iter(())
-        return self._answers(live, "again", (), (facts, *size))
+        question = live.stream.session.history[-1:]
+        is_now = bool(question and NOW.search(question[0].question))
+        return self._answers(live, "again", (), (facts, *size), is_now)
 
     def shown_again(self, live: LiveSession, *_: Any) -> Iterator[Filled]:
         """As `Talking.shown_again`."""
-        yield {"chat": exchanges(live.stream and live.stream.session)}
+        yield {"chat": exchanges(stopped(live.stream and live.stream.session))}
 
     def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation anew; the frame that the page shows still holds."""
@@ -320,16 +374,18 @@ class LiveTalk:
         if live.stream is not None:
             yield {"stage": live.stream.stage(mm_per_px=size)}
 
-    def _answers(self, live: LiveSession, method: str, asked: tuple, rest: tuple) -> Iterator:
+    def _answers(
+        self, live: LiveSession, method: str, asked: tuple, rest: tuple, is_now: bool
+    ) -> Iterator[Filled]:
         if (stream := live.stream) is None:
             raise GeoTLMError(WATCH_FIRST)
 
-        def redraw(shown: Any, _: Source) -> dict[str, Any]:
+        def redraw(shown: Any, _: Source) -> Filled:
             live.mm_per_px = shown.session.frame.mm_per_px
-            return stream.stage(mm_per_px=live.mm_per_px)
+            return {"stage": stream.stage(mm_per_px=live.mm_per_px)}
 
         talking = Talking(self.answerer, redraw, beside=lambda *_: {})
         source = Source(stream.name, stream.name)
-        for values in getattr(talking, method)(*asked, stream.shown(), source, *rest):
+        for values in getattr(talking, method)(*asked, stream.shown(is_now=is_now), source, *rest):
             if live.stream is stream:
                 yield values

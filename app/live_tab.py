@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import CLIP_SUFFIXES, GeoTLMError
 
 from . import conversation, stage
-from .live import LiveSession, LiveTalk, follow_camera, stop, watch_recording
+from .guards import QUESTION_CHARACTERS
+from .live import LiveSession, LiveTalk, follow_camera, stop, wait_for, watch_recording
 from .sessions import remove_seen
 from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio, sent
 
@@ -83,6 +84,13 @@ def _sources(gr: Any) -> dict[str, Any]:
                 parts["clear"] = gr.Button(
                     "Stop and clear", min_width=120, elem_classes=["only-shown"]
                 )
+        with gr.Column(min_width=220):
+            parts["condition"] = gr.Textbox(
+                label="Mark the moment from which on",
+                placeholder="it has turned 30 degrees clockwise",
+                max_length=QUESTION_CHARACTERS,
+            )
+            parts["mark"] = gr.Button("Mark", min_width=80)
     return parts
 
 
@@ -101,14 +109,20 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
     now = {**QUIET, "queue": False}
     parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **now)
 
+    waits = filling(parts, partial(wait_for, answerer))
+    for trigger in (parts["mark"].click, parts["condition"].submit):
+        ends = _ends(parts, ("condition", *CONTEXT), ("stage", COMPLAINT))
+        trigger(waits, *ends, **QUIET, **CAMERA)
+
     def clear(live: LiveSession) -> Iterator[Filled]:
+        live.condition = None
         for values in stop(live):
-            yield values | {"camera": gr.Image(value=None, visible=False)}
+            yield values | {"condition": "", "camera": gr.Image(value=None, visible=False)}
 
     # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
     parts["clear"].click(
         filling(parts, clear),
-        *_ends(parts, ("live",), (*EMPTIED, "camera")),
+        *_ends(parts, ("live",), (*EMPTIED, "condition", "camera")),
         js=STOP_CAMERA,
         **now,
     ).then(lambda: gr.Image(visible=True), None, parts["camera"], **now)

@@ -6,7 +6,7 @@ import base64
 import json
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from html import escape
 from pathlib import Path
 from threading import Lock
@@ -29,12 +29,22 @@ from geotlm_lm import (
 )
 
 from . import stage
-from .clips import LoadedClip, latest_upload, load_clip, span_of
+from .clips import (
+    LoadedClip,
+    Second,
+    compared,
+    latest_upload,
+    load_clip,
+    perceive,
+    read_named,
+    span_of,
+)
 from .conversation import exchanges, in_frame, suggested
 from .guards import QUESTION_CHARACTERS
 from .pictures import jpeg_address
 from .sources import EXAMPLES, RECORDING_FOLDER
 from .toolkit import Filled, html
+from .turns import reported
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -126,7 +136,8 @@ class Opening:
     """Opens recordings, and yields what the parts of the tab show then.
 
     Its methods take what the page shows before: the facts that are checked, the size of a pixel (0
-    or None where it is not known), and the clip that is open.
+    or None where it is not known), the clip that is open, where it is from, and whether a second
+    one is to be compared with it.
     """
 
     def __init__(self, answerer: Answerer, talking: Any = None) -> None:
@@ -142,7 +153,9 @@ class Opening:
             yield _closed(*before) | fields | {"files": None}
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        for values in self._open(source, before):
+        is_second = _compares(*before)
+        opens = self._open_second(source, *before) if is_second else self._open(source, before)
+        for values in opens:
             yield values | fields
 
     def example(self, key: str, *before: Any) -> Iterator[Filled]:
@@ -152,8 +165,51 @@ class Opening:
         """
         if (source := examples().get(key)) is None:
             return
+        if _compares(*before):
+            yield from self._open_second(source, *before)
+            return
         yield _closed(*before) | EMPTY_FIELDS | {"files": None, "stage": _unread(source)}
         yield from self._open(source, before)
+
+    def compare(self, shown: LoadedClip | None) -> Iterator[Filled]:
+        """Let what is opened next be a second recording, compared with the one that is open."""
+        if shown is None:
+            raise GeoTLMError("No recording is open; open one first.")
+        yield {"is_comparing": True, "stage_second": CHOOSING}
+
+    def stop(self, *before: Any) -> Iterator[Filled]:
+        """Show nothing of a recording that is being opened, and is opened no more."""
+        yield {"stage_second": CHOOSING} if _compares(*before) else _closed(*before)
+
+    def close_second(self, shown: LoadedClip | None, source: Source | None) -> Iterator[Filled]:
+        """Go back to one recording; its conversation goes on."""
+        values = NO_SECOND
+        if shown is not None and source is not None:
+            shown = compared(shown, None)
+            values = values | stage.stages_of(shown, source.name) | {"shown": shown}
+        yield values | {"chips": suggested(shown)}
+
+    def _open_second(
+        self,
+        second: Source,
+        facts: list[str],
+        mm_per_px: float | None,
+        shown: LoadedClip,
+        source: Source,
+        *_: Any,
+    ) -> Iterator[Filled]:
+        try:
+            loaded = yield from self._loading(second, name="stage_second")
+            shown = compared(shown, Second(loaded, second.name))
+            stages = stage.stages_of(shown, source.name)
+        except Exception:
+            yield {"stage_second": CHOOSING}
+            raise
+        yield stages | {
+            "shown": shown,
+            "mm_per_px": shown.session.frame.mm_per_px or 0,
+            "chips": suggested(shown),
+        }
 
     def visit(self, query: Mapping[str, str]) -> Iterator[Filled]:
         """Show and open the example of a link, or the first one; a wrong link opens nothing.
@@ -166,7 +222,7 @@ class Opening:
             raise GeoTLMError(
                 f"The link names the example {key[:40]!r}, which does not exist; open one below."
             )
-        yield {"stage": _unread(source), "source": source}
+        yield {"source": source}
         for values in self._open(source, ([], None, None)):
             yield values
         question = query.get("q", "" if query.get("example") else FIRST_QUESTION)
@@ -194,14 +250,29 @@ class Opening:
         # An error is shown only after the clip before is closed: it must not answer for this one.
         try:
             span = span_of(first, last)
-            if source.example and span is None:
-                shown = self._example(source)
-            else:
-                shown = load_clip(self._answerer, source.path, first, last, source.topic)
+            shown = yield from self._loading(source, first, last)
             yield _opened(shown, replace(source, span=span), *before)
         except Exception:
             yield _closed(*before) | {"source": source}
             raise
+
+    def _loading(
+        self, source: Source, first: str = "", last: str = "", name: str = "stage"
+    ) -> Iterator[Filled]:
+        """Show a recording at a stage, and how far it is tracked; return it."""
+        span = span_of(first, last)
+        recording = read_named(source.path, source.topic)
+        unread = stage.opening(recording, source.name)
+        yield {name: unread}
+        if source.example and span is None:
+            work = partial(self._example, source)
+        else:
+            work = partial(perceive, self._answerer, recording, span=span)
+
+        def show(what: str, done: int, total: int) -> Filled:
+            return {name: unread | {"progress": f"{what}, {done / max(total, 1):.0%}"}}
+
+        return (yield from reported(work, show))
 
     def _example(self, source: Source) -> LoadedClip:
         """Return an example, perceived once, with a conversation of its own."""
@@ -210,6 +281,22 @@ class Opening:
                 self._perceived[source.example] = load_clip(self._answerer, source.path)
             perceived = self._perceived[source.example]
         return replace(perceived, session=self._answerer.session(perceived.encoded))
+
+
+CHOOSING = {"chooses": True}
+"""What the second stage shows until a recording is chosen for it."""
+
+NO_SECOND: Filled = {"is_comparing": False, "stage_second": {}}
+
+
+def _compares(
+    facts: list[str],
+    mm_per_px: float | None = None,
+    shown: LoadedClip | None = None,
+    source: Source | None = None,
+    is_comparing: bool = False,
+) -> bool:
+    return is_comparing and shown is not None and source is not None
 
 
 def about_clip(shown: LoadedClip | None) -> dict[str, Any]:
@@ -232,31 +319,40 @@ def _opened(
     facts: list[str],
     mm_per_px: float | None = None,
     before: LoadedClip | None = None,
+    *_: Any,
 ) -> Filled:
     size = shown.encoded.clip.frames.shape[1:3]
     if before is not None and before.encoded.clip.frames.shape[1:3] != size:
         mm_per_px = None  # it was stated of other pixels
-    return nothing_asked(shown) | {
-        "shown": shown,
-        "source": source,
-        "stage": stage.stage_of(shown, source.name, FrameSpec(mm_per_px=mm_per_px or None)),
-        "framed": in_frame(facts, None),
-        "mm_per_px": mm_per_px or 0,
-        "chips": suggested(shown),
-        "saving": offered(shown, source.example),
-    }
+    return (
+        nothing_asked(shown)
+        | NO_SECOND
+        | {
+            "shown": shown,
+            "source": source,
+            "stage": stage.stage_of(shown, source.name, FrameSpec(mm_per_px=mm_per_px or None)),
+            "framed": in_frame(facts, None),
+            "mm_per_px": mm_per_px or 0,
+            "chips": suggested(shown),
+            "saving": offered(shown, source.example),
+        }
+    )
 
 
 def _closed(
-    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None
+    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None, *_: Any
 ) -> Filled:
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
-    return nothing_asked(None) | {
-        **{"shown": None, "source": None, "stage": {}, "chips": []},
-        "framed": in_frame(facts, None),
-        "mm_per_px": mm_per_px if before is None else 0,
-        "saving": offered(None, None),
-    }
+    return (
+        nothing_asked(None)
+        | NO_SECOND
+        | {
+            **{"shown": None, "source": None, "stage": {}, "chips": []},
+            "framed": in_frame(facts, None),
+            "mm_per_px": mm_per_px if before is None else 0,
+            "saving": offered(None, None),
+        }
+    )
 
 
 def saving_bar() -> Any:

@@ -107,17 +107,21 @@ const parts = {
     const show = () => {
       const { notes = [], probabilities, verdicts, band, regions, timing, about = [] } = props.value || {};
       const inside = [];
-      if (!probabilities && !about.length) inside.push(made("p", "", "Nothing was asked yet: what an answer rests on stands here."));
+      if (!verdicts && !about.length) inside.push(made("p", "", "Nothing was asked yet: what an answer rests on stands here."));
       for (const note of [...notes, ...about]) inside.push(made("p", "note", note));
-      if (probabilities) {
-        if (probabilities.length) inside.push(made("h4", "", "Calibrated probabilities"));
-        inside.push(...probabilities.map(([word, share]) => {
+      if (probabilities && probabilities.length) {
+        inside.push(made("h4", "", "Calibrated probabilities"), ...probabilities.map(([word, share]) => {
           const bar = made("p", "probability", "", made("span", "", word), made("b", "", `${Math.round(100 * share)} %`));
           bar.style.setProperty("--share", share);
           return bar;
         }));
-        inside.push(made("p", "note", band));
-        inside.push(made("h4", "", "Read by three methods"), table(["read by", "motion", "how"], verdicts));
+      }
+      if (band) inside.push(made("p", "note", band));
+      if (verdicts) {
+        inside.push(made("h4", "", regions ? "Read by three methods" : "Both recordings"));
+        inside.push(table([regions ? "read by" : "recording", "motion", "how"], verdicts));
+      }
+      if (regions) {
         inside.push(made("h4", "", "Seven regions"), table(["region", "shear change x", "y", "contact mass"], regions));
         inside.push(made("p", "note", timing));
       }

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NotRequired
 from pydantic import Field
 from typing_extensions import TypedDict  # of 3.11's own one no schema can be made
 
-from geotlm_lm import FrameSpec, Motion
+from geotlm_lm import RELATIVE_TOLERANCE, TOLERANCES, FrameSpec, Motion
 
 from .guards import NAME_CHARACTERS, QUESTION_CHARACTERS, ROWS, TOPIC_CHARACTERS
 
@@ -28,6 +28,9 @@ def bounded(low: float, high: float, description: str) -> Any:
 
 
 Recording = _about(str, RECORDING, min_length=1)
+Details = _about(
+    bool, "Also the evidence, the options, the motion, the frame of reference, times and notes."
+)
 Question = _about(
     str,
     "In plain English, about motion, contact, times or amounts.",
@@ -82,10 +85,11 @@ Rows = _about(
     int, "Frames of which contact and motion are told, evenly spread; 0 for none.", ge=0, le=ROWS
 )
 Picture = _about(
-    Literal["overlay", "raw", "difference", "contact", "timeline"],
-    "The four frames that were looked at, with the learned shear drawn in (overlay), as recorded, "
-    "against the idle gel, or with the contact mask; or turn, travel, contact and events of the "
-    "whole track over time (timeline).",
+    Literal["overlay", "shear", "raw", "difference", "contact", "timeline"],
+    "Four frames with their times: with arrows of how far each point of the contact has moved "
+    "since the first of them (overlay), with the learned shear, as recorded, against the idle gel, "
+    "or with the contact mask; or turn, slide, depth, contact and grip of the whole track over "
+    "time (timeline).",
 )
 ObjectName = _about(
     str, 'A shape, for example "key", "coin", "hex_nut".', max_length=NAME_CHARACTERS
@@ -144,8 +148,21 @@ class EvidenceFields(Evidence):
     second_opinions: dict[str, Any]
 
 
+CONFIDENCE = (
+    "Probability that the answer is right, that the question was read rightly included; calibrated "
+    "on recordings that nothing was chosen by. An amount is right within its tolerance: "
+    f"{TOLERANCES['deg']:g} degrees, {TOLERANCES['mm']:g} mm, {TOLERANCES['px']:g} px of a "
+    f"224-pixel image, or {RELATIVE_TOLERANCE:.0%} of it where that is more. 0 where nothing is "
+    "told."
+)
+Confidence = Annotated[float, Field(description=CONFIDENCE)]
+
+
 class Amount(TypedDict):
-    """How far or how fast, and the span it lies in nine times in ten, in `unit`."""
+    """How far or how fast, and the span it lies in nine times in ten, in `unit`.
+
+    Whether `value` itself is right is what the answer's `confidence` says.
+    """
 
     value: float
     unit: str
@@ -154,25 +171,28 @@ class Amount(TypedDict):
 
 
 class AnswerResult(TypedDict):
-    """An answer, its probability, the frame it is told in, and what it rests on."""
+    """An answer in words, decided and as an amount, how probably it is right, and how it was read.
+
+    `decided` is null where nothing is told surely; what it rests on comes with `details`.
+    """
 
     text: str
-    direction: Motion | None
     decided: str | None
+    confidence: Confidence
     amount: Amount | None
-    motion: dict[str, Any] | None
-    confidence: float
-    abstained: bool
-    told_by: Literal["model", "rule"]
-    frame: dict[str, Any]
-    options: dict[str, float]
-    timing_ms: dict[str, float]
-    kind: str
+    direction: Motion | None
     query: str
-    understood: float
-    evidence: Evidence
-    frames_used: list[int]
-    notes: list[str]
+    motion: NotRequired[dict[str, Any] | None]
+    abstained: NotRequired[bool]
+    told_by: NotRequired[Literal["model", "rule"]]
+    frame: NotRequired[dict[str, Any]]
+    options: NotRequired[dict[str, float]]
+    timing_ms: NotRequired[dict[str, float]]
+    kind: NotRequired[str]
+    understood: NotRequired[float]
+    evidence: NotRequired[Evidence]
+    frames_used: NotRequired[list[int]]
+    notes: NotRequired[list[str]]
 
 
 class ComparisonResult(TypedDict):
@@ -181,7 +201,7 @@ class ComparisonResult(TypedDict):
     text: str
     relation: Literal["same", "opposite", "different", "unknown"]
     decided: str | None
-    confidence: float
+    confidence: Confidence
     abstained: bool
     first: dict[str, Any]
     second: dict[str, Any]
@@ -193,7 +213,7 @@ class SimulatedAnswer(TypedDict):
     answer: str
     how_far: str
     direction: Motion | None
-    confidence: float
+    confidence: Confidence
     true_motion: Motion
     true_ways: list[Motion]
     moves: dict[str, bool | None]
@@ -206,18 +226,23 @@ class SimulatedAnswer(TypedDict):
 
 
 class StoredRecording(TypedDict):
-    """A recording that can be named; `kind` is its ending, or "images" for a folder of them."""
+    """A recording that can be named; `kind` is its ending, or "images" for a folder of them.
+
+    `frames` and `fps` are what the file declares, null where it declares nothing.
+    """
 
     name: str
     kind: str
     size_bytes: int
+    frames: int | None
+    fps: float | None
 
 
 class Listing(TypedDict):
     """The recordings that can be named; `has_more` tells that the folder holds others as well."""
 
     recordings: list[StoredRecording]
-    examples: list[str]
+    examples: list[StoredRecording]
     is_folder_served: bool
     has_more: bool
 

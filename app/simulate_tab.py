@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import TRUE_DISPLACEMENT, GeoTLMError, Seen
+from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Seen
 
 from . import stage
 from .clips import LoadedClip, perceive
-from .talking import along
-from .toolkit import COMPLAINT, Filled, complaint, filling, gradio, literal, model_at
+from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, filling, gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Touch
@@ -27,19 +26,18 @@ OBJECTS = (
 )
 """Shapes on offer: everyday things that no weight was trained on."""
 
-INVITES = (
-    "Set a touch by the sliders and press Simulate and ask: what truly happens and what the model "
-    "reads are drawn over each other here."
-)
+INVITES = "Set a touch by the sliders: what truly happens and what the model reads are drawn here."
 
-HEADERS = ["", "true", "read", "error"]
-
-ROWS = {
-    "rotation_deg": "turn, degrees clockwise",
-    "slide_x_px": "slide to the right, px",
-    "slide_y_px": "slide down, px",
-    "press_mm": "press inward, mm",
+COMPONENTS = {
+    "turn": ("rotation_deg", "°", ("clockwise", "counterclockwise")),
+    "across": ("slide_x_px", " px", ("right", "left")),
+    "down": ("slide_y_px", " px", ("down", "up")),
+    "press": ("press_mm", " mm", ("in", "out")),
 }
+"""Names of the rows that are drawn: number, unit, and its ways, the positive one first."""
+
+PRESETS = ("draft", "good")
+"""Of the simulator, the quick one first."""
 
 NUMBERS = (
     *("twist_deg", "slide_x_mm", "slide_y_mm", "press_mm", "depth_mm", "thickness_mm"),
@@ -48,41 +46,55 @@ NUMBERS = (
 """Fields of a `Touch`, in the order of the sliders."""
 
 
-def build(answerer: Answerer) -> None:
-    """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
+def build(answerer: Answerer, tab: Any) -> None:
+    """Lay the tab (a `gradio.Tab`) out and connect it; call it inside.
+
+    It is simulated when the tab is shown and whenever a slider moves: a draft, then a better one.
+    """
     gr = gradio()
     parts: dict[str, Any] = {}
-    with gr.Row():
+    with gr.Row(elem_classes=["simulate"]):
         with gr.Column(scale=2, min_width=300):
             sliders = _sliders(gr)
-            go = gr.Button("Simulate and ask", variant="primary")
             parts[COMPLAINT] = complaint()
         with gr.Column(scale=3, min_width=320):
-            parts["stage"] = stage.build(invites=INVITES)
-            parts["sentence"] = gr.Markdown()
-            parts["facts"] = gr.Dataframe(
-                headers=HEADERS, label="Truth, reading and error", interactive=False
-            )
+            parts["stage"] = stage.build(INVITES)
 
     def run(name: str, *given: float | None) -> Iterator[Filled]:
         *numbers, seed = given
         try:
             touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
-            made = simulate(answerer, touch)
+            for preset in PRESETS:
+                yield _filled(simulate(answerer, touch, preset), name.replace("_", " "))
         except Exception:
-            yield {"stage": {}, "sentence": "", "facts": None}  # of the touch before
+            yield {"stage": {}}  # of the touch before
             raise
-        yield {
-            "stage": stage.stage_of(made.shown, name.replace("_", " "), truth=made.truth),
-            "sentence": f"### {literal(sentence_of(made.facts))}\n{truth_of(made.facts['true'])}",
-            "facts": [
-                [name, *(made.facts[kind][key] for kind in HEADERS[1:])]
-                for key, name in ROWS.items()
-            ],
-        }
 
-    shown = [parts[name] for name in ("stage", "sentence", "facts", COMPLAINT)]
-    go.click(filling(parts, run), sliders, shown, **model_at(parts["sentence"]))
+    shown = [parts["stage"], parts[COMPLAINT]]
+    newest = {**QUIET, **MODEL, "trigger_mode": "always_last"}
+    for trigger in (tab.select, *(slider.input for slider in sliders)):
+        trigger(filling(parts, run), sliders, shown, **newest)
+
+
+def _filled(made: Simulated, name: str) -> Filled:
+    values = stage.stage_of(made.shown, name, truth=made.truth)
+    if values["step"]["rows"]:
+        values["step"]["rows"] = _rows(made)
+    return {"stage": values | {"notes": [sentence_of(made.facts)]}}
+
+
+def _rows(made: Simulated) -> list[dict[str, Any]]:
+    """Return what is read of each component, with the span of nine tenths, and the truth."""
+    deviations = np.sqrt(np.diag(made.shown.encoded.belief.covariance))
+    rows = []
+    for (name, (key, unit, ways)), deviation in zip(COMPONENTS.items(), deviations, strict=True):
+        read, true = made.facts["read"][key], made.facts["true"][key]
+        reach = SPAN_DEVIATIONS * float(deviation)
+        texts = (f"{abs(far):.2g}{unit} {ways[far < 0]}" if far else "none" for far in (read, true))
+        text = "read {}, true {}".format(*texts)
+        span = {"mean": read, "low": read - reach, "high": read + reach, "true": true}
+        rows.append({"name": name, "moves": bool(true), "text": text} | span)
+    return rows
 
 
 def sentence_of(facts: Mapping[str, Any]) -> str:
@@ -90,15 +102,6 @@ def sentence_of(facts: Mapping[str, Any]) -> str:
     true = " and ".join(facts["true_ways"] or [facts["true_motion"]])
     verdict = "correct" if facts["is_right"] else "wrong"
     return f"{facts['answer']}  ({verdict}: it was {true})"
-
-
-def truth_of(true: Mapping[str, float]) -> str:
-    """Return the true motion of the contact with all its components."""
-    numbers = true["rotation_deg"], true["slide_x_px"], true["slide_y_px"]
-    depth = true["press_mm"]
-    pressed = f"{abs(depth):.2f} mm {'inward' if depth > 0 else 'outward'}" if depth else ""
-    parts = ", ".join(filter(None, [along(*numbers), pressed])) or "at rest"
-    return f"True, about the middle of the contact: {parts}."
 
 
 def _sliders(gr: Any) -> list[Any]:
@@ -149,11 +152,11 @@ def _number(field: str, value: Any) -> float:
         raise GeoTLMError(f"{field} is {str(value)[:40]!r}, expected a number.") from error
 
 
-def simulate(answerer: Answerer, touch: Touch) -> Simulated:
+def simulate(answerer: Answerer, touch: Touch, preset: str = "fast") -> Simulated:
     """Simulate a touch, ask about it, and compare the answer with the truth."""
     from geotlm_lm import simulate_touch
 
-    made = simulate_touch(touch)
+    made = simulate_touch(touch, preset=preset)
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
     how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)

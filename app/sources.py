@@ -12,6 +12,7 @@ import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
@@ -19,7 +20,8 @@ from urllib.parse import unquote, urlsplit
 
 from typing_extensions import TypedDict
 
-from geotlm_lm import CLIP_SUFFIXES, IMAGE_SUFFIXES, GeoTLMError
+from geotlm_lm import CLIP_SUFFIXES, IMAGE_SUFFIXES, GeoTLMError, declared_length
+from geotlm_lm.core.errors import nearest
 
 from .guards import INLINE_BYTES, LISTED, MIB, NAME_CHARACTERS, UPLOAD_BYTES
 from .schema import Listing, StoredRecording
@@ -93,8 +95,11 @@ class Sources:
         """Return the names that can be given, with the kind and the size of each."""
         stored = list(islice(self._stored(), LISTED + 1))
         return {
-            "recordings": stored[:LISTED],
-            "examples": list(EXAMPLES),
+            "recordings": [
+                recording | _length(self._served / recording["name"])
+                for recording in stored[:LISTED]
+            ],
+            "examples": list(map(_example, EXAMPLES)),
             "is_folder_served": self._served is not None,
             "has_more": len(stored) > LISTED,
         }
@@ -111,9 +116,7 @@ class Sources:
                 yield path
         elif given.startswith("example:"):
             if given not in EXAMPLES:
-                raise GeoTLMError(
-                    f"There is no example {given[:80]!r}; the tool recordings lists them."
-                )
+                raise GeoTLMError(f"There is no example {given[:80]!r}; {self._advice(given)}")
             yield EXAMPLES[given]
         elif self.is_upload(given):
             path = Path(path_in(given))
@@ -148,14 +151,10 @@ class Sources:
                 "handle_file('clip.npz'), elsewhere as 'data:;base64,...'."
             )
         if self._served is None:
-            listed = f" such as {next(iter(EXAMPLES))!r}" if EXAMPLES else ""
             raise GeoTLMError(
-                f"There is no recording {name[:80]!r}, as no folder is served; name an example"
-                f"{listed}, or start the server with --recordings FOLDER."
+                f"There is no recording {name[:80]!r}, as no folder is served; {self._advice(name)}"
             )
-        unknown = GeoTLMError(
-            f"There is no recording {name[:80]!r}; the tool recordings lists the names there are."
-        )
+        unknown = GeoTLMError(f"There is no recording {name[:80]!r}; {self._advice(name)}")
         # The name is looked for in its own folder's listing, never joined to a path and followed.
         place = self._served
         *folders, last = name.split("/")
@@ -174,6 +173,21 @@ class Sources:
             )
         return place / last
 
+    def _advice(self, name: str) -> str:
+        """Return how a refusal of an unknown name ends: the nearest of those that are listed."""
+        stored = [recording["name"] for recording in islice(self._stored(), LISTED)]
+        known = {example.removeprefix("example:"): example for example in EXAMPLES}
+        known |= {listed: listed for listed in (*EXAMPLES, *stored)}
+        near = nearest(name, known)
+        if near is not None:
+            return f"did you mean '{known[near]}'?"
+        if stored or self._served is not None:
+            return "the tool recordings lists the names there are."
+        return (
+            f"name an example such as {next(iter(EXAMPLES), None)!r}, or start the server with "
+            f"--recordings FOLDER."
+        )
+
     def _stored(self) -> Iterator[StoredRecording]:
         for place, folders, names in os.walk(self._served) if self._served else ():
             folders[:] = sorted(name for name in folders if _is_plain(Path(place, name), True))
@@ -181,6 +195,22 @@ class Sources:
                 path = Path(place, last)
                 if stored := _recording(path, path.relative_to(self._served).as_posix()):
                     yield stored
+
+
+def _example(name: str) -> StoredRecording:
+    path = EXAMPLES[name]
+    about = {"name": name, "kind": path.suffix[1:], "size_bytes": path.stat().st_size}
+    return about | _length(path)
+
+
+def _length(path: Path) -> dict[str, Any]:
+    """Return how long a recording is, read once for each state that it is in."""
+    return dict(zip(("frames", "fps"), _length_of(path, path.stat().st_mtime_ns), strict=True))
+
+
+@lru_cache(4 * LISTED)
+def _length_of(path: Path, _: int) -> tuple[int | None, float | None]:
+    return declared_length(path)
 
 
 def _recording(path: Path, name: str) -> StoredRecording | None:

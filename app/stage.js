@@ -63,6 +63,8 @@ const received = new Received();
 async function show(given) {
   shows += 1;
   const value = given && given.json ? JSON.parse(given.json) : given; // as of `toolkit.sent`
+  part("condition").textContent = (value && value.condition) || "";
+  element.querySelector(".stage").toggleAttribute("data-open", Boolean(value && Object.keys(value).length));
   if (value && value.stream) await showStream(value, shows);
   else if (value && value.pack) await showRecording(value, shows);
   else showNothing();
@@ -83,16 +85,19 @@ function showNothing() {
 }
 
 async function showRecording(value, turn) {
-  const isSame = data && data.pack === value.pack && data.name === value.name;
+  const before = data, isSame = data && data.pack === value.pack && data.name === value.name;
   data = value;
   received.begin(null);
-  if (!isSame) images = [];
+  const isLike = before && !before.stream && before.name === value.name && before.count === value.count;
+  if (!isSame && !isLike) images = [];
   title();
   scrub.min = 0;
   timeline.show(data);
   if (!isSame) {
     const all = await imagesOf(value.pack);
     if (turn !== shows && (!data || data.pack !== value.pack)) return; // another was opened meanwhile
+    // What is like the one before takes its place at once, at the same frame.
+    if (isLike && all) await Promise.all(all.map((image) => image.decode().catch(() => null)));
     images = all ? all.slice(0, value.count) : [];
     for (const image of images) image.addEventListener("load", () => image === images[frame] && draw());
     const [idleImage] = all && value.has_idle ? all.slice(value.count) : [];
@@ -100,7 +105,7 @@ async function showRecording(value, turn) {
     if (idleImage) await idleImage.decode().catch(() => null);
     if (turn !== shows && (!data || data.pack !== value.pack)) return;
     idle = idleImage && idleImage.naturalWidth ? pixelsOf(idleImage) : null;
-    go(0);
+    go(isLike ? frame : 0);
     if (!wantsRest) play();
   }
   showLayers();
@@ -147,6 +152,7 @@ function title() {
   part("about").textContent = data ? data.about : "";
   part("live").hidden = !(data && data.live);
   part("notes").textContent = ((data && data.notes) || []).join(" ");
+  part("stop").hidden = !(data && data.pending);
   part("zoom").hidden = part("legend").hidden = !(data && data.timeline);
   playButton.disabled = scrub.disabled = !data;
   if (!data) return;
@@ -256,7 +262,7 @@ function showResult() {
 
 function resultText() {
   if (data.step) return data.step.text;
-  if (!data.timeline) return data.pending ? "reading the motion…" : "";
+  if (!data.timeline) return data.pending ? data.progress || "reading the motion…" : "";
   const now = data.x[frame];
   const moves = data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
   const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
@@ -385,10 +391,13 @@ time.addEventListener("wheel", (event) => {
   else return;
   event.preventDefault();
 }, { passive: false });
+for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
 for (const button of part("zoom").children) button.onclick = () => timeline.zoom(Number(button.dataset.zoom));
-new ResizeObserver(() => {
-  timeline.draw();
+const resized = new ResizeObserver(() => {
+  if (timeline.width !== time.clientWidth) timeline.draw();
   draw();
-}).observe(element);
+});
+resized.observe(time);
+resized.observe(picture);
 watch("value", () => show(props.value));
 show(props.value);

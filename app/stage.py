@@ -28,6 +28,7 @@ from geotlm_lm import (
     change_map,
     draw_depth,
     drawing_of,
+    way_phrase,
 )
 
 from .pictures import PACKS
@@ -66,16 +67,21 @@ FINE, LEAST_SHARE = 8, 0.004
 OPEN_ONE = "Open a recording below, or drop your own there: it plays here."
 
 
-def build(value: dict[str, Any] | None = None, invites: str = OPEN_ONE) -> Any:
+COMPARE = '<button type="button" data-event="expand">Compare</button>'
+
+CLOSE = '<button type="button" data-event="collapse" aria-label="Close the second">✕</button>'
+
+
+def build(invites: str = OPEN_ONE, actions: str = "", name: str = "stage-block") -> Any:
     """Return the component, which shows a value of `stage_of`, `opening` or `LiveStream.stage`.
 
-    What invites stands where the picture will be.
+    What invites stands where the picture will be, actions beside the title.
     """
     names = ("stage.html", "draw.js", "timeline.js", "stage.js")
     template, *scripts = (Path(__file__).with_name(name).read_text("utf-8") for name in names)
     # The template is static: what stands in it would be run as a program.
-    template = template.replace("INVITES", invites)
-    return html(value or {}, template, "stage-block", "\n".join(scripts))
+    template = template.replace("INVITES", invites).replace("ACTIONS", actions)
+    return html({}, template, name, "\n".join(scripts))
 
 
 def stage_of(
@@ -119,6 +125,41 @@ def stage_of(
         arrow_ends(seen.shear_change, seen.mask, seen.view, seen.scale) if has_contact else []
     )
     return values
+
+
+def stages_of(shown: LoadedClip, name: str) -> dict[str, Any]:
+    """Return what the stage shows of a recording, and a second one of what it is compared with.
+
+    Both are then drawn on the same scale of time and of amounts.
+    """
+    frame = shown.session.frame
+    first = stage_of(shown, name, frame)
+    if shown.second is None:
+        return {"stage": first}
+    second = stage_of(shown.second.shown, shown.second.name, frame)
+    first["about"] = f"first · {first['about']}"
+    second["about"] = f"second, “it” in a question · {second['about']}"
+    for values in (first, second):
+        values["scale"] = _scale_of(first, second)
+    return {"stage": first, "stage_second": second}
+
+
+def _scale_of(*stages: dict[str, Any]) -> dict[str, list[float]]:
+    """Return the lowest and highest value of what is drawn, by the names of rows, and of time."""
+    ends: dict[str, list[float]] = {}
+    for values in stages:
+        for lane in values.get("timeline", {"lanes": []})["lanes"]:
+            for curve in lane["curves"]:
+                mean, spread = (np.asarray(curve.get(key, 0.0)) for key in ("mean", "spread"))
+                drawn = ends.setdefault(
+                    lane["name"], [-(lane["limit"] or 0.0), lane["limit"] or 0.0]
+                )
+                drawn += [(mean - spread).min(), (mean + spread).max()]
+        for row in values.get("step", {"rows": []})["rows"]:
+            ends.setdefault(row["name"], []).append(row.get("high", 0.0))
+    if len({values["unit"] for values in stages}) == 1:
+        ends["x"] = [end for values in stages for end in (values["x"][0], values["x"][-1])]
+    return {name: [float(min(each)), float(max(each))] for name, each in ends.items()}
 
 
 def opening(clip: Clip, name: str, depth: Sequence[NDArray[np.uint8]] = ()) -> dict[str, Any]:
@@ -183,7 +224,12 @@ def _outlines(clip: Clip, track: Any) -> list[list]:
 def motion_of(shown: LoadedClip, frame: FrameSpec) -> Any:
     """Return what a clip does as its words tell it: the value of a question, asked aside."""
     session = shown.session
-    return session.answerer.session(session.encoded, frame=frame).ask(OF_MOTION).values[0]
+    return session.answerer.session(shown.encoded, frame=frame).ask(OF_MOTION).values[0]
+
+
+def way_of(shown: LoadedClip, frame: FrameSpec) -> Any:
+    """Return the way of the largest motion that the stage shows; None where there is none."""
+    return next((movement.way for movement in _movements(motion_of(shown, frame))), None)
 
 
 def step_of(moved: Any, shown: LoadedClip) -> dict[str, Any]:
@@ -213,8 +259,7 @@ def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
         limit = "" if component not in belief.limits else _limit(belief, component)
         is_readable = belief.readable.get(component, True)
         return row | {"text": f"none{limit}" if is_readable else "not visible in these pictures"}
-    aslant = "" if movement.aslant is None else f" and a little {movement.aslant.value}"
-    way, sure = f"{movement.way.value}{aslant}", round(100 * movement.chance)
+    way, sure = way_phrase(movement), round(100 * movement.chance)
     if movement.amount is None:
         return row | {"text": way, "sure": sure}
     measured = movement.amount

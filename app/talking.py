@@ -10,21 +10,32 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
 
 from . import stage
-from .clips import LoadedClip
+from .clips import LoadedClip, compared
 from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
 from .opening import Source, about_clip, nothing_asked, offered
 from .toolkit import Filled
+from .turns import SessionInTurns
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 
-def _whole(shown: LoadedClip, source: Source) -> dict[str, Any]:
-    return stage.stage_of(shown, source.name, shown.session.frame)
+def _whole(shown: LoadedClip, source: Source) -> Filled:
+    return stage.stages_of(shown, source.name)
 
 
 def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source: Source) -> Filled:
     """Return what an answer rests on, and the conversation as a program."""
+    code = code_of(source, [turn.question for turn in shown.session.history], shown)
+    beside = {"code": code, "saving": offered(shown, source.example)}
+    if hasattr(answer, "relation"):  # of two recordings
+        verdicts = [
+            [name, _way(each.direction), each.text]
+            for name, each in (("first", answer.first), ("second", answer.second))
+        ]
+        return beside | {"evidence": about_clip(shown) | {"verdicts": verdicts}}
+    if shown.second is not None:  # a question that is about one of two is about the second
+        shown = shown.second.shown
     details = answer.to_dict()
     timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     # What is to be known of the answer; the clip's own notes stand beside the clip.
@@ -34,18 +45,14 @@ def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source
         "notes": notes,
         "probabilities": likeliest[:MOST_OPTIONS],
         "band": _band(answerer, details),
-        "verdicts": _verdicts(answer, details, shown.opinions),
+        "verdicts": _verdicts(answer, shown),
         "regions": [
             [name.replace("_", " "), *(round(values[key], 3) for key in REGION_VALUES)]
             for name, values in details.get("evidence", {}).get("regions", {}).items()
         ],
         "timing": " · ".join(f"{name} {value:.1f} ms" for name, value in timing_ms.items()),
     }
-    return {
-        "evidence": evidence,
-        "code": code_of(source, [turn.question for turn in shown.session.history], shown),
-        "saving": offered(shown, source.example),
-    }
+    return beside | {"evidence": evidence}
 
 
 MOST_OPTIONS = 5
@@ -59,7 +66,7 @@ class Talking:
 
     answerer: Answerer
     # What the stage shows once the size of a pixel is another, what else an answer fills.
-    redraw: Callable[[LoadedClip, Source], dict[str, Any]] = _whole
+    redraw: Callable[[LoadedClip, Source], Filled] = _whole
     beside: Callable[..., Filled] = evidence_and_code
 
     def ask(
@@ -84,7 +91,8 @@ class Talking:
             yield {"chat": exchanges(session), "question": question}
             raise
         frame, stated = session.frame, facts_of(session.frame)
-        direction = None if answer.in_the_image is None else answer.in_the_image.value
+        seen = getattr(answer, "in_the_image", None)  # not of two recordings
+        direction = None if seen is None else seen.value
         redrawn = frame.mm_per_px != size_before
         yield {
             "chat": exchanges(session),
@@ -93,7 +101,7 @@ class Talking:
             "mm_per_px": frame.mm_per_px or 0,
             "framed": in_frame(stated, direction),
             "chips": suggested(shown),
-            **({"stage": self.redraw(shown, source)} if redrawn else {}),
+            **(self.redraw(shown, source) if redrawn else {}),
             **self.beside(self.answerer, answer, shown, source),
         }
 
@@ -114,11 +122,11 @@ class Talking:
         if shown is None or size == shown.session.frame.mm_per_px:
             return
         shown.session.frame = replace(shown.session.frame, mm_per_px=size)
-        yield {"stage": self.redraw(shown, source), "chips": suggested(shown)}
+        yield self.redraw(shown, source) | {"chips": suggested(shown)}
 
     def shown_again(self, shown: LoadedClip | None, *_: Any) -> Iterator[Filled]:
         """Show the conversation without the question that was being answered."""
-        yield {"chat": exchanges(None if shown is None else shown.session)}
+        yield {"chat": exchanges(stopped(shown and shown.session))}
 
     def forget(
         self, shown: LoadedClip | None, source: Source | None, facts: list[str], *_: Any
@@ -127,6 +135,7 @@ class Talking:
         anew = None
         if shown is not None:
             anew = replace(shown, session=self.answerer.session(shown.encoded))
+            anew = compared(anew, shown.second)
         yield nothing_asked(anew) | {
             "shown": anew,
             "framed": in_frame(facts, None),
@@ -135,18 +144,33 @@ class Talking:
         }
 
 
-def _verdicts(answer: Any, details: dict[str, Any], opinions: dict[str, Any]) -> list[list[Any]]:
-    """Return the motion that each method reads, all told from the answer's point of view."""
-    probe, flow = opinions["probe"], opinions["optical_flow"]
+def stopped(session: Any) -> Any:
+    """Return a conversation, if there is one, whose question is being answered no more."""
+    if isinstance(session, SessionInTurns):
+        session.stop()
+    return session
+
+
+def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
+    """Return the motion that each method reads, all told from the answer's point of view.
+
+    Of an answer that is no motion it is the motion that the picture shows.
+    """
+    probe, flow = shown.opinions["probe"], shown.opinions["optical_flow"]
+    motion = answer.direction or stage.way_of(shown, answer.frame)
     fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
     turn, right, down, _ = answer.edit.matrix @ fitted + 0.0  # 0.0 has no sign of its own
     far = along(turn, right, down) or "nothing moves"
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
-        ["answer", details.get("direction") or "-", answer.text],
+        ["answer", _way(motion), answer.text],
         ["linear probe", answer.edit.of_way(Motion(probe["motion"])).value, sure],
         ["optical flow", answer.edit.of_way(Motion(flow["motion"])).value, far],
     ]
+
+
+def _way(direction: Motion | None) -> str:
+    return "-" if direction is None else direction.value
 
 
 def _band(answerer: Answerer, details: dict[str, Any]) -> str:
@@ -180,11 +204,12 @@ def code_of(source: Source, questions: list[str], shown: LoadedClip) -> str:
     The files of an upload are named as their owner knows them, several images by their folder.
     """
     name = Path(source.path).name if isinstance(source.path, str) else source.name
-    path = name if source.example is None else f"app/examples/{name}"
+    path = name if source.example is None else f"app/{Path(source.path).parent.name}/{name}"
     frame, usual = shown.session.frame, FrameSpec()
     stated = {field.name: getattr(frame, field.name) for field in fields(frame)}
     stated = {field: value for field, value in stated.items() if value != getattr(usual, field)}
     span = "" if source.span is None else f", span={source.span}"
+    second = [] if shown.second is None else [shown.second.shown.encoded.clip.name]
     return "\n".join(
         [
             "from geotlm_lm import Answerer, FrameSpec, read_clip",
@@ -193,6 +218,7 @@ def code_of(source: Source, questions: list[str], shown: LoadedClip) -> str:
             f"clip = read_clip({_arguments(path, topic=source.topic)})",
             f"frame = FrameSpec({_arguments(**stated)})",
             f"talk = answerer.session(answerer.encode(clip{span}), frame=frame)",
+            *(f"talk.add_clip(answerer.encode(read_clip({name!r})))" for name in second),
             f"for question in {questions!r}:",
             "    print(talk.ask(question).text)",
         ]

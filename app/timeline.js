@@ -43,8 +43,13 @@ class Timeline {
 
   get whole() {
     if (this.data.window) return this.data.window;
-    const x = this.data.x;
+    const x = this.scale("x") || this.data.x;
     return [x[0], x[x.length - 1] > x[0] ? x[x.length - 1] : x[0] + 1];
+  }
+
+  // The lowest and highest value of a row that two recordings share.
+  scale(name) {
+    return (this.data.scale || {})[name];
   }
 
   get span() {
@@ -117,6 +122,10 @@ class Timeline {
       if (!lane.events.length) this.text(LEFT + 6, top + 12, this.data.live ? "nothing yet" : "nothing", "quiet");
       top += STRIP + height + GAP;
     }
+    for (const mark of this.data.marks || []) {
+      const x = this.placeOf(mark);
+      if (x >= LEFT) this.root.append(svg("path", { class: "moment", d: `M${x} ${top - GAP}V0l6 6 -6 6` }));
+    }
     return top;
   }
 
@@ -142,6 +151,7 @@ class Timeline {
         high = Math.max(high, mean + spread);
       });
     }
+    if (this.scale(lane.name)) [low, high] = [Math.min(low, this.scale(lane.name)[0]), Math.max(high, this.scale(lane.name)[1])];
     if (high - low < 1) [low, high] = [low - 0.5, high + 0.5];
     const y = (value) => top + height - 2 - ((value - low) / (high - low)) * (height - 4);
     const far = this.width - RIGHT;
@@ -176,25 +186,36 @@ class Timeline {
   drawStep() {
     const step = this.data.step;
     if (!step) {
-      this.text(LEFT, 24, this.data.pending ? "Reading the motion…" : "", "quiet");
+      this.text(LEFT, 24, this.data.pending ? this.data.progress || "Reading the motion…" : "", "quiet");
       return 40;
     }
     if (!step.rows.length) this.text(LEFT, 24, step.text, "quiet");
-    const wide = Math.min(220, 0.35 * (this.width - LEFT - RIGHT));
+    const hasTruth = step.rows.some((row) => row.true !== undefined);
+    const isNarrow = this.width < 520, tall = isNarrow ? 44 : 26; // words stand below, not beside
+    const wide = (isNarrow ? 1 : hasTruth ? 0.5 : Math.min(220 / this.width, 0.32)) * (this.width - LEFT - RIGHT);
     step.rows.forEach((row, k) => {
-      const y = 2 + k * 26, middle = y + 12, most = 1.1 * (row.high || 1);
+      const y = 2 + k * tall, middle = y + 12;
+      const drawn = [0, row.low || 0, row.high || 1, row.true || 0, ...(this.scale(row.name) || [])];
+      const least = 1.1 * Math.min(...drawn), most = 1.1 * Math.max(...drawn);
       this.text(2, y + 16, row.name, "name");
-      const group = svg("g", { class: `amount ${row.name}` }), at = (value) => LEFT + (value / most) * wide;
+      const group = svg("g", { class: `amount ${row.name}` }), at = (value) => LEFT + ((value - least) / (most - least)) * wide;
       group.append(svg("rect", { class: "ground", x: LEFT, y: y + 2, width: wide, height: 20 }));
       if (row.mean !== undefined) {
         group.append(svg("line", { class: "reach", x1: at(row.low), x2: at(row.high), y1: middle, y2: middle }));
         group.append(svg("circle", { cx: at(row.mean), cy: middle, r: 4.5 }));
       }
+      if (row.true !== undefined) {
+        const x = at(row.true);
+        group.append(svg("line", { class: "zero", x1: at(0), x2: at(0), y1: y + 2, y2: y + 22 }));
+        group.append(svg("path", { class: "true", d: `M${x} ${middle - 8}l6 8 -6 8 -6 -8z` }));
+      }
       this.root.append(group);
       const sure = row.sure === undefined ? "" : `, ${row.sure} % sure`;
-      this.text(LEFT + wide + 12, y + 16, `${row.text}${sure}`, row.moves ? "claim" : "quiet");
+      this.text(isNarrow ? 2 : LEFT + wide + 12, y + (isNarrow ? 37 : 16), `${row.text}${sure}`, row.moves ? "claim" : "quiet");
     });
-    return Math.max(step.rows.length * 26 + 4, 40);
+    const below = step.rows.length * tall + 4;
+    if (hasTruth) this.text(LEFT, below + 12, "● read, bar: nine tenths    ◇ true", "tick");
+    return Math.max(below + 16 * hasTruth, 40);
   }
 
   drawAxis(top) {

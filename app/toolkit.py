@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Callable, Iterator, Mapping
 from html import escape
 from pathlib import Path
@@ -91,7 +90,11 @@ def html(
 
 def sent(name: str, value: Any) -> Any:
     """Return a part's value as it travels: the stage's as one text, which is copied at no cost."""
-    return {"json": json.dumps(value)} if name == "stage" and isinstance(value, dict) else value
+    return (
+        {"json": json.dumps(value)}
+        if name.startswith("stage") and isinstance(value, dict)
+        else value
+    )
 
 
 def filling(
@@ -128,17 +131,3 @@ def filling(
     # Postponed annotations are text, and the toolkit looks for the class itself.
     fill_with.__annotations__["about"] = takes
     return fill_with
-
-
-MARKUP = re.compile(r"[!-,./:-@\[-`{-~]")
-"""All that may mean anything else than itself in Markdown, HTML or a formula: punctuation, without
-the dash that begins an entry of a list."""
-
-
-def literal(text: str) -> str:
-    """Return a text as Markdown that shows it as it is; lines that begin with a dash are a list.
-
-    Words may hold what a person typed, or what somebody called a file: shown as markup, a picture
-    in them would be fetched from its site, and a link would lead there.
-    """
-    return MARKUP.sub(r"\\\g<0>", text)

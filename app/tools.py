@@ -11,6 +11,7 @@ from typing import Any, get_type_hints
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
 from geotlm_lm import GeoTLMError
+from geotlm_lm.core.errors import choice_of
 
 from .guards import BUSY_TITLE, Busy
 from .schema import Recording
@@ -113,8 +114,8 @@ class Tool:
             needed = [name for name in self._names if fields[name].is_required()]
             return f"{self.name}: {name} is missing; give {' and '.join(needed)}."
         if first["type"] == "extra_forbidden":
-            known = ", ".join(self._names) or "none"
-            return f"{self.name}: there is no parameter {name[:80]!r}; it takes {known}."
+            advice = choice_of(name, self._names) if self._names else "it takes none."
+            return f"{self.name}: there is no parameter {name[:80]!r}; {advice}"
         value, reason = repr(first["input"]), first["msg"]
         return (
             f"{self.name}: {name} was {value if len(value) <= 40 else f'{value[:37]}...'}, and "

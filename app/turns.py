@@ -9,10 +9,14 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import contextmanager
 from contextvars import ContextVar
-from threading import Event, Lock
+from queue import SimpleQueue
+from threading import Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
+
+from geotlm_lm import GeoTLMError
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, FrameSpec
@@ -23,7 +27,7 @@ SLICE_S = 0.1
 REPORTED_EVERY_S = 0.25
 """Time between two reports of progress."""
 
-Report = Callable[[str, int, int], None]
+Report = Callable[[str, int, int], Any]
 """Takes what is done, how much of it, and of how much, and shows this to who waits."""
 
 LISTENER: ContextVar[Report | None] = ContextVar("listener", default=None)
@@ -112,6 +116,40 @@ class Turn:
             self._since_s = time.monotonic()
 
 
+class Stopped(GeoTLMError):
+    """What was begun is wanted no more."""
+
+
+def reported(work: Callable[[], Any], show: Report) -> Iterator[Any]:
+    """Yield what shows how far something is that uses the model, and return its result.
+
+    It is stopped at its next report once nobody takes any more of this.
+    """
+    reports: SimpleQueue[Any] = SimpleQueue()
+    is_closed, done = Event(), Future[Any]()
+
+    def listen(*report: Any) -> None:
+        if is_closed.is_set():
+            raise Stopped("This was stopped.")
+        reports.put(report)
+
+    def run() -> None:
+        LISTENER.set(listen)
+        try:
+            done.set_result(work())
+        except BaseException as error:
+            done.set_exception(error)
+        reports.put(None)
+
+    Thread(target=run, daemon=True).start()
+    try:
+        while (report := reports.get()) is not None:
+            yield show(*report)
+    finally:
+        is_closed.set()
+    return done.result()
+
+
 class _InTurns:
     """Stands for something that uses the model: the methods named here wait for their turn."""
 
@@ -135,7 +173,7 @@ class _InTurns:
 class AnswererInTurns(_InTurns):
     """An `Answerer` that waits for its turn; tracking lets others in between two frames."""
 
-    waiting = ("ask", "compare")
+    waiting = ("ask", "compare", "condition")
 
     def encode(self, clip: Any, **named: Any) -> Any:
         """As `Answerer.encode`."""
@@ -158,9 +196,24 @@ class AnswererInTurns(_InTurns):
 
 
 class SessionInTurns(_InTurns):
-    """A `Session` each of whose questions waits for its turn."""
+    """A `Session` each of whose questions waits for its turn, and can be stopped."""
 
-    waiting = ("ask",)
+    _asking: object = None
+
+    def ask(self, question: str) -> Any:
+        """As `Session.ask`; a question that is stopped meanwhile leaves no trace."""
+        asking = self._asking = object()
+        with self._turns.turn():
+            answer = None if self._asking is not asking else self._shared.ask(question)
+            if self._asking is asking:
+                return answer
+            if answer is not None:
+                self._shared.take_back(question)
+        raise Stopped("The question was stopped.")
+
+    def stop(self) -> None:
+        """Let the question that is being answered be forgotten."""
+        self._asking = None
 
     @property
     def frame(self) -> FrameSpec:
@@ -175,7 +228,7 @@ class SessionInTurns(_InTurns):
 class TrackerInTurns(_InTurns):
     """A `Tracker` each of whose frames waits for its turn."""
 
-    waiting = ("feed", "finish")
+    waiting = ("feed", "finish", "now")
 
     @property
     def so_far(self) -> Any:

@@ -36,6 +36,18 @@ NAMED = """() => {
         next.focus();
     });
     name();
+    const camera = navigator.mediaDevices, words = {
+        NotAllowedError: 'The browser lets this page use no camera; allow it beside the address.',
+        NotFoundError: 'No camera is connected; connect one, or drop a recording and press Watch.',
+        NotReadableError: 'The camera is used by another program; close that, and start again.',
+    };
+    if (!camera) return;
+    const wanted = camera.getUserMedia.bind(camera);
+    camera.getUserMedia = (what) => wanted(what).catch(error => {
+        const line = document.querySelector('.live .complaint p');
+        if (line) line.textContent = words[error.name] || `The camera fails: ${error.message}.`;
+        throw error;
+    });
 }"""
 """What the toolkit lacks: roles, and tabs that are one stop of the keyboard, moved by arrows."""
 
@@ -78,8 +90,8 @@ def build(answerer: Answerer, recordings: Path | None = None) -> Any:
             ask_tab.build(answerer, page)
         with gr.Tab("Live"):
             live_tab.build(answerer)
-        with gr.Tab("Simulate"):
-            simulate_tab.build(answerer)
+        with gr.Tab("Simulate") as tab:
+            simulate_tab.build(answerer, tab)
         for tool in tools:
             tool.serve()
         sessions.remove_uploads_with_session(page)

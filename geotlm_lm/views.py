@@ -156,6 +156,46 @@ def arrow_ends(
     return view.in_picture(np.stack([tails, tips], axis=1))
 
 
+def draw_motion(
+    image: Image, seen: Seen, turn_deg: float, right_px: float, down_px: float
+) -> Image:
+    """Draw how far each point of the contact has moved, to scale, over an image of the whole frame.
+
+    Args:
+        image: To draw over.
+        seen: What tells where the contact is; without one there are no arrows.
+        turn_deg: Turn about the middle of the contact, clockwise.
+        right_px: Travel to the right, pixels of the 224-pixel square.
+        down_px: Travel down.
+    """
+    if not seen.has_contact:
+        return image
+    filled = np.array([seen.view.picture_width_px, seen.view.picture_height_px])
+    still = np.zeros((*seen.mask.shape, 2), np.float32)
+    # Of every second cell: long arrows of all would hide each other.
+    tails = arrow_ends(still, seen.mask, seen.view)[::2, 0] * filled
+    arms = tails - tails.mean(axis=0)
+    cosine, sine = np.cos(np.radians(turn_deg)), np.sin(np.radians(turn_deg))
+    turned = arms @ np.array([[cosine, sine], [-sine, cosine]])
+    tips = tails + turned - arms + (right_px, down_px)
+    drawn, size = image.copy(), (image.shape[1], image.shape[0])
+    for ends in np.stack([tails, tips], axis=1) / filled * size:
+        if np.linalg.norm(ends[1] - ends[0]) > ARROW_THICKNESS:
+            _draw_arrow(drawn, ends)
+    return drawn
+
+
+def draw_caption(image: Image, text: str) -> Image:
+    """Write a line of text into the upper left corner of an image, on a dark ground."""
+    drawn, font, size = image.copy(), cv2.FONT_HERSHEY_SIMPLEX, 0.5
+    (width, height), _ = cv2.getTextSize(text, font, size, 1)
+    corner = (width + 2 * LEGEND_MARGIN, height + 2 * LEGEND_MARGIN)
+    cv2.rectangle(drawn, (0, 0), corner, LEGEND_COLOUR, -1)
+    place = (LEGEND_MARGIN, height + LEGEND_MARGIN)
+    cv2.putText(drawn, text, place, font, size, FRAME_COLOUR, 1, cv2.LINE_AA)
+    return drawn
+
+
 def draw_legend(image: Image, view: View, scale: ArrowScale = LEARNED_SHEAR) -> Image:
     """Draw an arrow of known length in the lower left corner, with what it stands for."""
     drawn = image.copy()

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from geotlm_lm import views
 from geotlm_lm.backbone.view import View
 from geotlm_lm.views import (
     ARROW_COLOUR,
@@ -159,3 +160,27 @@ def test_depth_is_shown_only_where_it_is_known():
     assert image[:, -60:].min() > image[:, :60].max()
     with pytest.raises(ValueError, match="there is no view 'depth', expected one of raw, "):
         picture(seen(), "depth")
+
+
+@pytest.mark.parametrize(
+    ("way", "expected"),
+    [((0, 20, 0), (20, 0)), ((0, 0, -20), (0, -20)), ((90, 0, 0), None), ((0, 0, 0), None)],
+)
+def test_arrows_of_a_motion_lead_from_each_point_to_where_it_goes(way, expected, monkeypatch):
+    ends = []
+    monkeypatch.setattr(views, "_draw_arrow", lambda image, drawn: ends.append(drawn))
+    mask = np.zeros((14, 14), np.float32)
+    mask[4:9, 4:9] = 1
+    frames = np.zeros((4, 224, 224, 3), np.uint8)
+    seen = Seen(frames, frames[0], np.zeros((14, 14, 2), np.float32), mask, View())
+    views.draw_motion(frames[0], seen, *way)
+    if not any(way):
+        assert ends == []
+        return
+    tails, tips = np.array(ends).transpose(1, 0, 2)
+    if expected is not None:
+        assert np.allclose(tips - tails, expected)
+        return
+    middle = tails.mean(axis=0)
+    (right, down), turned = (tails - middle).T, tips - middle
+    assert np.allclose(turned, np.stack([-down, right], axis=-1), atol=0.1)  # clockwise as drawn

@@ -90,6 +90,26 @@ class Encoded:
         return self.believe(self)
 
     @cached_property
+    def _evidence(self) -> dict[int, Evidence]:
+        return {}
+
+    def evidence_by(self, seed: int = 0) -> Evidence:
+        """Return what answers about it rest on, the same for each question.
+
+        Args:
+            seed: Of its possible worlds; clips that are compared have different ones.
+        """
+        if seed not in self._evidence:
+            track, belief = self.track, self.belief
+            worlds = (
+                worlds_of_clip(belief, seed)
+                if track is None
+                else worlds_of_track(track, belief, seed)
+            )
+            self._evidence[seed] = Evidence(worlds, recording_of(self), _area(self))
+        return self._evidence[seed]
+
+    @cached_property
     def prefix(self) -> TactilePrefix:
         """How the language model sees it: all it says itself starts from this one value."""
         if self.prefix_by is None:
@@ -160,19 +180,6 @@ def with_background(clip: Clip) -> Clip:
             "Background: estimated from the frames; give an idle frame for a surer answer."
         )
     return clip
-
-
-def evidence_of(encoded: Encoded, seed: int = 0) -> Evidence:
-    """Return what answers about a clip rest on.
-
-    Args:
-        encoded: The clip.
-        seed: Of its possible worlds; clips that are compared have different ones.
-    """
-    track = encoded.track
-    belief = encoded.belief
-    worlds = worlds_of_clip(belief, seed) if track is None else worlds_of_track(track, belief, seed)
-    return Evidence(worlds, recording_of(encoded), _area(encoded))
 
 
 def recording_of(encoded: Encoded) -> Recording:

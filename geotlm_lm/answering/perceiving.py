@@ -206,8 +206,9 @@ def perceive_recording(
     # Not every frame that was tracked need be kept: the nearest shows the same.
     away = np.abs(np.subtract.outer(part.numbers[list(window_of(part))], clip.frame_numbers))
     window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()), track.scene)
-    used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
-    window = replace(window, clip=window.clip.with_note(used))
+    if span is not None:
+        used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
+        window = replace(window, clip=window.clip.with_note(used))
     if not part.is_contact_known:
         # What was compared with is a guess, or not there.
         window = replace(window, is_contact_known=False, is_changed=False, is_faint=False)
@@ -225,10 +226,7 @@ def perceive_recording(
 def with_found_idle(clip: Clip) -> Clip:
     """Return a recording beside its idle gel, if that is given or found where nothing touches."""
     idle = None if clip.background is not None else find_idle(clip)
-    if idle is None:
-        return clip
-    note = "Background: the recording's own untouched frames."
-    return replace(clip, background=idle).with_note(note)
+    return clip if idle is None else replace(clip, background=idle)
 
 
 def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:

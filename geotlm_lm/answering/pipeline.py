@@ -51,6 +51,9 @@ PLAIN = 0.5
 SAME_RATE = 0.02
 """How far a stated frame rate may be from the frames' own to be the same, "30" for 29.97."""
 
+PIXELS_NOTE = "Pixels are those of the"
+"""Begins the note on a unit, the only one about nothing that was guessed."""
+
 SILENT = ("cannot", "not-understood", "talk", "help")
 """Remarks that tell nothing of a recording."""
 
@@ -244,7 +247,7 @@ def _notes(values: Sequence[Value], recording: Recording, evidence: Evidence) ->
     if not any(each.unit.startswith("px") for each in measures):
         return notes
     size = f"{recording.columns}x{recording.rows}"
-    return (*notes, f"Pixels are those of the {size} frames; tell the mm per pixel to have mm.")
+    return (*notes, f"{PIXELS_NOTE} {size} frames; tell the mm per pixel to have mm.")
 
 
 def _plain(asked: Asked, understood: Understood, frame: FrameSpec) -> Answer:

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import product
 
-from geotlm_lm.answering.encoded import Encoded, evidence_of
+from geotlm_lm.answering.encoded import Encoded
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
@@ -145,17 +145,19 @@ class Asked:
         clips: One, or two that follow each other; the last is the one asked about.
         frame: What held before.
         named: The point of view that was named last, in words.
+        known_values: What programs came to: readings that are compared are evaluated once.
     """
 
     bundle: Bundle
     clips: tuple[Encoded, ...]
     frame: FrameSpec
     named: str | None = None
+    known_values: dict[Program, tuple[Value, ...]] = field(init=False, default_factory=dict)
 
     @cached_property
     def evidence(self) -> tuple[Evidence, ...]:
         """What answers rest on; clips that are compared are independent."""
-        return tuple(evidence_of(clip, seed) for seed, clip in enumerate(self.clips))
+        return tuple(clip.evidence_by(seed) for seed, clip in enumerate(self.clips))
 
     def says(self, question: str, written: str, text: str) -> bool:
         """Tell whether an answer is what the language model itself says; it sees one clip."""
@@ -165,8 +167,11 @@ class Asked:
 
     def values(self, program: Program) -> tuple[Value, ...]:
         """Return what everything that is asked comes to, or why it is withheld."""
-        values = answers(program, self.evidence, self.frame)
-        return tuple(told_or_not(each, self.clips, self.bundle) for each in values)
+        if program not in self.known_values:
+            values = answers(program, self.evidence, self.frame)
+            values = tuple(told_or_not(each, self.clips, self.bundle) for each in values)
+            self.known_values[program] = values
+        return self.known_values[program]
 
     def frame_after(self, program: Program) -> FrameSpec:
         """Return the frame in which what was stated holds; the one before if it cannot."""

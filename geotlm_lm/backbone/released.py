@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import hashlib
 import math
 import re
@@ -26,7 +25,7 @@ from geotlm_lm.backbone.pixels import Size
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.backbone.weights import listed, read_tensors, without_prefix
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import IncompatibleWeights, UsageError
+from geotlm_lm.core.errors import IncompatibleWeights, UsageError, choice_of
 from geotlm_lm.core.geometry import FRAME_COUNT, IMAGE_SIDE
 
 BATCH = 4
@@ -147,9 +146,7 @@ def encoder_row(name: str) -> EncoderRow:
     """Return the encoder called `name`, or raise a UsageError that names the nearest."""
     if name in ENCODERS:
         return ENCODERS[name]
-    near = difflib.get_close_matches(name.lower(), ENCODERS, 1)
-    hint = f"did you mean {near[0]}?" if near else f"choose one of {', '.join(ENCODERS)}."
-    raise UsageError(f"there is no encoder '{name}'; {hint}")
+    raise UsageError(f"there is no encoder '{name}'; {choice_of(name, ENCODERS)}")
 
 
 def detect_encoder(path: Path, tensors: Tensors) -> EncoderRow:

@@ -21,7 +21,7 @@ from geotlm_lm.benchmarks.protocols import PROTOCOLS
 from geotlm_lm.benchmarks.reading import OWN_ANSWERS, READING
 from geotlm_lm.benchmarks.stability import DAMAGE, EXTREME, NUMERICS, SCENES
 from geotlm_lm.benchmarks.tracks import TRACKS
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UsageError, choice_of
 from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
 from geotlm_lm.runs.processes import threads
@@ -112,9 +112,7 @@ def run_bench(
     """
     names = [section.name for section in bench.sections]
     if unknown := [name for name in only if name not in names]:
-        raise UsageError(
-            f"--only '{unknown[0][:40]}' is unknown, expected one of {', '.join(names)}."
-        )
+        raise UsageError(f"--only '{unknown[0][:40]}' is unknown; {choice_of(unknown[0], names)}")
     started = time.perf_counter()
     sections = dict(before.numbers["sections"]) if before is not None and only else {}
     with threads(1):

@@ -40,10 +40,13 @@ def answer(
     path, span, frame = recording.path, recording.span, answering.frame
     outputs.require([path])
     clip = recording.read()
+
+    from geotlm_lm.answering.pipeline import PIXELS_NOTE
+
     answerer = answering.load()
     encoded = answerer.encode(clip, span=span)
     reply = answerer.ask(encoded, question, frame=frame)
-    print_notes(*reply.notes)
+    print_notes(*(note for note in reply.notes if not note.startswith(PIXELS_NOTE)))
     reasons = answerer.why(encoded, reply) if why else None
     if reasons is not None:
         print_notes(f"the reasons are told {reasons.source}")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from geotlm_lm.cli.options import Answering, Reading, Recording, grouped
 from geotlm_lm.cli.progress import print_notes
-from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.errors import GeoTLMError, UsageError, choice_of
 from geotlm_lm.core.frame_spec import FrameSpec
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ class Conversation:
                 words = "in JSON" if self.is_json else "in words"
                 print(f"answers {words}", file=sys.stderr)
             case _ if command.startswith("/"):
-                known = ", ".join(re.findall("^/[a-z]+", HELP, re.MULTILINE))
-                print(f"there is no {command}; the commands are /help, {known}.", file=sys.stderr)
+                known = ["/help", *re.findall("^/[a-z]+", HELP, re.MULTILINE)]
+                print(f"there is no {command}; {choice_of(command, known)}", file=sys.stderr)
             case _:
                 reply = self.session.ask(line)
                 print(json.dumps(reply.to_dict()) if self.is_json else reply.text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import signal
 import sys
 import threading
@@ -30,7 +31,7 @@ from geotlm_lm.cli.simulate import ForwardsClip, simulate, simulate_clip
 from geotlm_lm.cli.track import INTERRUPTED, track
 from geotlm_lm.cli.train import train
 from geotlm_lm.cli.watch import watch
-from geotlm_lm.core.errors import GeoTLMError, UsageError
+from geotlm_lm.core.errors import GeoTLMError, UsageError, choice_of, nearest
 
 app = typer.Typer(
     name="geotlm-lm",
@@ -49,6 +50,10 @@ WITHOUT_FILES = ("answer", "app", "chat", "doctor", "info")
 
 UNWRITTEN = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 """What a disk or a terminal that takes no more says; any other error of the system is a defect."""
+
+NO_OPTION = re.compile(r"No such option: (\S+?)\.?(?: \(Possible options: (.*)\)|$)")
+NO_VALUE = re.compile(r"(.*?)'([^']*)' is not one of ('.*)")
+"""How the option parser reports unknown names."""
 
 ParseError = typer.BadParameter.__base__
 """What the option parser raises on unknown or missing options; typer names no public alias."""
@@ -173,7 +178,15 @@ def _run(arguments: list[str] | None) -> None:
 
 def _sentence(message: str) -> str:
     """Return the parser's message as one line that ends by telling where help is."""
-    one_line = " ".join(message.split()).rstrip(".")
+    one_line = " ".join(message.split()).rstrip(".").replace("Value error, ", "")
+    if option := NO_OPTION.match(one_line):
+        name, candidates = option.groups()
+        near = nearest(name, re.findall(r"--?[\w-]+", candidates or ""))
+        one_line = f"No such option: {name}" + (f". Did you mean '{near}'?" if near else "")
+    elif value := NO_VALUE.match(one_line):
+        before, name, known = value.groups()
+        advice = choice_of(name, re.findall(r"'([^']*)'", known))
+        one_line = f"{before}there is no '{name}'; {advice}".rstrip(".")
     # "Did you mean 'answer'?" asks; what follows a question is a sentence of its own.
     if one_line.endswith("?"):
         return f"{one_line} See `geotlm-lm --help`."

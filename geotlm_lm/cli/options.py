@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 ENDINGS = {
     "out": (".csv", ".parquet", ".json"),
-    "plot": (".png",),
+    "plot": (".png", ".svg", ".pdf"),
     "video": (".mp4",),
     "rerun": (".rrd",),
 }
@@ -171,7 +171,7 @@ class Pixels:
 
     layout: str | None = option(
         "Axes of an array, THWC, TCHW or THW (grey); BGR, or THWC-BGR, where OpenCV gave its "
-        "colours. [default: guessed, stated]"
+        "colours. [default: axes by the shape, red first]"
     )
     fps: float | None = option("Frames per second. [default: what the file says]")
     square_pixels: SquarePixels = None
@@ -375,7 +375,9 @@ class TrackOutputs(Outputs):
     """Files of a track."""
 
     out: Path | None = option("Write a row for every frame to this .csv, .parquet or .json file.")
-    plot: Path | None = option("Draw turn, travel and contact over time to this .png.")
+    plot: Path | None = option(
+        "Draw turn, slide, depth, contact and grip over time to this .png, .svg or .pdf."
+    )
     video: Path | None = option("Write the frames, with what was tracked, to this .mp4.")
 
 

@@ -34,11 +34,19 @@ def print_notes(*notes: str) -> None:
         print(f"note: {note}", file=sys.stderr, flush=True)
 
 
+def duration(seconds: float) -> str:
+    """Return a time in words, in the unit that suits it."""
+    if seconds < 100:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 6000 else f"{seconds / 3600:.1f} h"
+
+
 class ProgressLines:
     """Lines for a file or a pipe: at most one every `REPORT_EVERY_S`, and one at each end.
 
-    From the second report of a stage on they tell the rate. It counts from the first: neither
-    starting up nor what an earlier run left behind is in it. The clock tells seconds.
+    From the second report of a stage on they tell the rate and the time left. The rate counts from
+    the first: neither starting up nor what an earlier run left behind is in it. The clock tells
+    seconds.
     """
 
     def __init__(self, unit: str, clock: Callable[[], float] = time.monotonic) -> None:
@@ -57,8 +65,11 @@ class ProgressLines:
         self._shown_at = now
         before, began = self._first
         seconds = now - began
-        rate = f", {(done - before) / seconds:.1f}/s" if seconds > RATE_AFTER_S else ""
-        print(f"{what}: {done} of {total}{self._unit}{rate}", file=sys.stderr, flush=True)
+        rate = (done - before) / seconds if seconds > RATE_AFTER_S else 0.0
+        pace = f", {rate:.1f}/s" if rate else ""
+        if rate and done < total:
+            pace += f", {duration((total - done) / rate)} left"
+        print(f"{what}: {done} of {total}{self._unit}{pace}", file=sys.stderr, flush=True)
 
 
 class ProgressBars:

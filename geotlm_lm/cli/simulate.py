@@ -231,14 +231,14 @@ def simulate_clip(
 
 
 def _write(path: Path, made: SimulatedClip) -> None:
-    """Write frames, idle gel, rate, shape of pixels, label (JSON) and drift, if solved, as .npz."""
+    """Write frames, idle gel, layout, rate, shape of pixels, label (JSON) and drift as .npz."""
     import numpy as np
 
     label = json.dumps(made.label.to_dict() | {"object": made.object_name})
     arrays = {"frames": made.clip.frames, "label": np.array(label)}
     # The simulated camera's picture is of four to three: no reader need assume it.
     arrays["square_pixels"] = np.array(False)
-    arrays["background"] = made.clip.background
+    arrays["background"], arrays["layout"] = made.clip.background, np.array("THWC-RGB")
     if made.drift_px is not None:
         arrays["drift_px"] = made.drift_px
     arrays["fps"] = np.array(made.clip.fps)

@@ -133,9 +133,9 @@ def write_table_and_plot(
         made_by = {"command": command_line(), "recording": name, "fps": fps}
         exported.save(outputs.out, made_by)
     if outputs.plot is not None:
-        from geotlm_lm.track.drawing import write_plot
+        from geotlm_lm.track.plot import write_plot
 
-        write_plot(outputs.plot, exported, in_frames=in_frames)
+        write_plot(outputs.plot, exported, in_frames=in_frames, title=Path(name).name)
 
 
 def _write_film(path: Path, exported: Exported, clip: Clip, reading: dict[str, Any]) -> None:

@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -57,10 +58,18 @@ if TYPE_CHECKING:
     from geotlm_lm.recordings.streams import StreamFrame
     from geotlm_lm.track.events import Event
     from geotlm_lm.track.export import Exported, Units
+    from geotlm_lm.track.tracker import Tracker
 
 KEPT_FRAMES, APART_S, JITTER_S = 64, 0.08, 0.002
 """Frames kept for a question about a motion that is over: 15 MB at 320x240. At least so far apart,
 they reach back over 5 s; one that is a little early still counts as on time."""
+
+HELD_S = 1.0
+"""Time after its end for which an event waits for others that ended before it."""
+
+
+def _end_of(event: Event) -> tuple[float, float]:
+    return event.end_s, event.begin_s
 
 
 @dataclass(frozen=True)
@@ -154,8 +163,8 @@ def watch(
 
     A camera that gives no frames any more is told after 2 seconds, and ends it after 10.
 
-    The gel must be untouched at the start, or for half a second later on. Directions are told as
-    seen in the camera image, for the object relative to the sensor.
+    Before a camera the gel must be untouched at the start, or for half a second later on.
+    Directions are told as seen in the camera image, for the object relative to the sensor.
 
     With --until, --while or --every it waits for a condition in words, and tells when it holds, how
     sure that is and what it rests on. Exit codes: 0 it holds, 8 the time is out, 9 the recording
@@ -192,7 +201,14 @@ def watch(
     assumed = ", as is assumed; give the rate by --fps" if stream.is_rate_assumed else ""
     rate = f"{source} at {stream.fps:g} frames per second{assumed}."
     print_notes(rate, *stream.notes, *(() if waiting is None else waiting.notes()))
-    watching = Watching(answerer, stream, question, scale, as_json=as_json, waiting=waiting)
+    # Of a recording the idle gel is looked for in all of it, as `track` does.
+    whole = None if stream.is_live or at_its_rate else stream.whole()
+    tracker = answerer.tracker(whole)
+    if waiting is not None:
+        waiting.follow(tracker)
+    watching = Watching(
+        answerer, tracker, stream, question, scale, as_json=as_json, waiting=waiting
+    )
     ended = watching.follow(outputs.video, is_square=bool(pixels.square_pixels))
     exported = Exported(watching.tracker.finish(), scale)
     if waiting is None or as_json:
@@ -216,6 +232,7 @@ class Watching:
     def __init__(
         self,
         answerer: Answerer,
+        tracker: Tracker,
         stream: Any,
         question: str | None,
         mm_per_px: float | None,
@@ -228,8 +245,9 @@ class Watching:
         self._answerer, self._stream, self._question = answerer, stream, question
         self._mm_per_px, self._as_json = mm_per_px, as_json
         self._waiting = waiting
-        self.tracker = answerer.tracker() if waiting is None else waiting.tracker
+        self.tracker = tracker
         self._recent: deque[tuple[StreamFrame, Frames]] = deque(maxlen=KEPT_FRAMES)
+        self._held: list[Event] = []
         self._printed: list[Event] = []
         self._shown: list[Event] = []
         self._shown_s = -math.inf
@@ -259,7 +277,7 @@ class Watching:
                         if write is not None:
                             self._film(image, frame.time_s, events, units, write)
                     if self._waiting is None or self._as_json:
-                        self._print(events, units)
+                        self._print(self._due(events, frame.time_s), units)
                     if self._waiting is not None and self._waiting.look(
                         frame.time_s, frame.number, as_json=self._as_json
                     ):
@@ -276,7 +294,7 @@ class Watching:
             for event in exported.track.events
             if (event.kind, event.component, event.begin) not in printed
         ]
-        self._print(rest, exported.units)
+        self._print(sorted(rest, key=_end_of), exported.units)
         frames, dropped = self._frames, self._stream.dropped
         frame_ms = round(1e3 * self._busy_s / max(frames, 1), 2)
         if self._as_json:
@@ -289,6 +307,13 @@ class Watching:
         lost = f"{dropped} dropped" if dropped else "none dropped"
         account = f"{frames} frames, {lost}; each tracked in {frame_ms:.1f} ms."
         print_notes(*exported.track.notes, account)
+
+    def _due(self, events: list[Event], now_s: float) -> list[Event]:
+        """Return the events that are to be printed now: by when they end, each once it is over."""
+        self._held = sorted([*self._held, *events], key=_end_of)
+        due = [event for event in self._held if now_s - event.end_s >= HELD_S]
+        self._held = self._held[len(due) :]
+        return due
 
     def _take(self, image: Frames, frame: StreamFrame) -> list[Event]:
         stuck = self._stuck and self._stuck.after(image, frame.time_s)
@@ -361,30 +386,36 @@ class Waiting:
     def __init__(self, conditions: Conditions, answerer: Answerer, frame: FrameSpec) -> None:
         from geotlm_lm.answering.monitor import Monitor
 
-        self.answerer, self.tracker = answerer, answerer.tracker()
+        self.answerer = answerer
         how = {"sure": conditions.sure, "lasting_s": conditions.lasting}
 
         def monitors(texts: list[str] | None, *, is_negated: bool = False, **more: Any) -> list:
             read = (answerer.condition(t, frame=frame, is_negated=is_negated) for t in texts or ())
-            return [Monitor(self.tracker, condition, **how, **more) for condition in read]
+            return [partial(Monitor, condition=condition, **how, **more) for condition in read]
 
-        self._ending = [
+        self._of_ending = [
             *monitors(conditions.until),
             *monitors(conditions.while_, is_negated=True),
         ]
-        self._repeated = monitors(conditions.every, since="last")
+        self._of_repeated = monitors(conditions.every, since="last")
+        self._ending, self._repeated = [], []
         self._command = conditions.command if conditions.run else []
         self._timeout_s = math.inf if conditions.timeout is None else conditions.timeout
         self._started: list[subprocess.Popen] = []
         self._begin_s: float | None = None
         self.is_met = False
 
+    def follow(self, tracker: Tracker) -> None:
+        """Judge what this tracker follows."""
+        self._ending = [monitor(tracker) for monitor in self._of_ending]
+        self._repeated = [monitor(tracker) for monitor in self._of_repeated]
+
     def notes(self) -> Iterator[str]:
         """Yield how each condition was read."""
-        for monitor in self._ending:
-            yield f"Waiting until {monitor.condition.restated}."
-        for monitor in self._repeated:
-            yield f"Telling each time that {monitor.condition.restated}."
+        for monitor in self._of_ending:
+            yield f"Waiting until {monitor.keywords['condition'].restated}."
+        for monitor in self._of_repeated:
+            yield f"Telling each time that {monitor.keywords['condition'].restated}."
 
     def look(self, time_s: float, number: int, *, as_json: bool) -> bool:
         """Judge the frame that was tracked last; return whether waiting is over.

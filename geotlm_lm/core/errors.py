@@ -1,7 +1,8 @@
 """Errors a user can repair, each one sentence with an exit code; checks of what a user asks for."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from difflib import get_close_matches
 from importlib.util import find_spec
 
 LONGEST_MESSAGE = 3000
@@ -126,6 +127,20 @@ def require_package(name: str, needed_by: str, extra: str) -> None:
 def first_line(error: Exception) -> str:
     """Return the first line of what an error of another library says, or else what it is."""
     return next(iter(str(error).strip().splitlines()), type(error).__name__)
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that an unknown one was most likely meant to be, if any is alike."""
+    by_small = {candidate.lower(): candidate for candidate in known}
+    matches = get_close_matches(name[:200].lower(), by_small, 1)
+    return by_small[matches[0]] if matches else None
+
+
+def choice_of(name: str, known: Iterable[str]) -> str:
+    """Return how a sentence about an unknown name ends: the nearest known name, or all of them."""
+    known = list(known)
+    near = nearest(name, known)
+    return f"choose one of {', '.join(known)}." if near is None else f"did you mean '{near}'?"
 
 
 def require_inside(first: int, last: int, lowest: int, highest: int) -> None:

@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 
 from geotlm_lm.core.clip import MOST_FPS, Clip, Frames
-from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError, choice_of, nearest
 from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.data.labelled_recordings import csv_lines
@@ -138,8 +138,7 @@ def _row(where: str, values: dict[str, Any]) -> ManifestRow:
     action = text("action")
     if action not in ACTIONS:
         raise UnreadableClip(
-            f"{where}: the action '{action}' is not known, expected one of {', '.join(ACTIONS)}; "
-            f"correct it, or leave the row out."
+            f"{where}: the action '{action}' is not known; {choice_of(action, ACTIONS)}"
         )
     listed = values["frames"]
     entries = listed if isinstance(listed, list) else str(listed or "").split(";")
@@ -221,6 +220,10 @@ def read_manifest(path: str | Path) -> Manifest:
         ) from error
     missing = [name for name in REQUIRED if name not in columns]
     if missing:
+        if near := nearest(missing[0], [name for name in columns if name not in COLUMNS]):
+            raise UnreadableClip(
+                f"{path}: lacks the column {missing[0]}; did you mean it by '{near}'?"
+            )
         raise UnreadableClip(
             f"{path}: lacks the column{'s' * (len(missing) > 1)} {', '.join(missing)}, expected "
             f"{', '.join(COLUMNS)}; write it with `geotlm-lm manifest`."
@@ -331,9 +334,7 @@ def make_manifest(
     matcher = _compiled(pattern, background_frame)
     for word, action in (actions or {}).items():
         if action not in ACTIONS:
-            raise UsageError(
-                f"'{word}' is to mean '{action}', expected one of {', '.join(ACTIONS)}."
-            )
+            raise UsageError(f"'{word}' is to mean '{action}'; {choice_of(action, ACTIONS)}")
     words = {name: name for name in ACTIONS} | dict(actions or {})
     clips: dict[tuple[str, ...], list[tuple[str | None, Path]]] = defaultdict(list)
     unmatched = []

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
-from geotlm_lm.core.errors import UnreadableClip
+from geotlm_lm.core.errors import UnreadableClip, choice_of
 from geotlm_lm.data.labelled_recordings import csv_lines, object_of
 
 TABLE_NAME = "clips.csv"
@@ -228,8 +228,7 @@ def _turn(line: _Line, recording: TouchRow, curve: list[_Line], moments: _Line |
     frames, quality = line.frames("first_frame", "last_frame"), line.values["quality"].strip()
     if quality not in set(Quality):
         raise UnreadableClip(
-            f"{line.where}: found the quality '{quality}', expected one of {', '.join(Quality)}; "
-            f"correct it."
+            f"{line.where}: found the quality '{quality}'; {choice_of(quality, Quality)}"
         )
     turn_deg = line.number("turn_deg_cw")
     if turn_deg == 0:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip, Frames
-from geotlm_lm.core.errors import UnreadableClip, UsageError, first_line, require_package
+from geotlm_lm.core.errors import UnreadableClip, UsageError, choice_of, first_line, require_package
 from geotlm_lm.data_sets.layout import (
     EPISODES,
     INFO,
@@ -88,8 +88,8 @@ class LeRobotDataSet:
         """Refuse a camera that the data set lacks."""
         if camera not in self.cameras:
             raise UsageError(
-                f"{self.root}: has no camera {camera[:80]}, expected one of "
-                f"{', '.join(self.cameras) or 'none'}; give its name."
+                f"{self.root}: has no camera {camera[:80]}; "
+                f"{choice_of(camera, self.cameras or ['none'])}"
             )
 
     def episode(self, index: int) -> Episode:

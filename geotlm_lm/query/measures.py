@@ -134,20 +134,21 @@ def _touched(context: Context) -> Floats:
 
 
 def _parts(context: Context, component: Component) -> Iterator[tuple[Happening, Bools, Floats]]:
-    """Yield what moves of a component: in which worlds, and the share of it that lies inside.
+    """Yield what moves of a component: in which worlds, and the share of it that lies inside."""
 
-    What begins or ends contact is a touch or a release and no press.
-    """
+    def is_left_out(happening: Happening) -> bool:
+        return component is Component.PRESS and happening.is_edge and not context.has_edges
+
     if context.now is None:
         for happening, share in inside(context, component):
             least = np.minimum(MOVING_PX, 0.999 * happening.path_px)
-            if not (component is Component.PRESS and happening.is_edge):
+            if not is_left_out(happening):
                 yield happening, happening.is_real & (share * happening.path_px >= least), share
         return
     now = np.asarray(context.now)
     for happening in context.worlds.motions(component):
         is_over = happening.begin_s > np.max(now) or happening.end_s < np.min(now)
-        if not is_over and not (component is Component.PRESS and happening.is_edge):
+        if not is_over and not is_left_out(happening):
             goes_on = (happening.begin_s <= now) & (now <= happening.end_s)
             yield happening, happening.is_real & goes_on, np.ones(())
 
@@ -359,4 +360,8 @@ PRIMITIVES |= {
     "peak-time": _peak_time,
     "top-speed-time": lambda context, atom: np.full(COUNT, _fastest(context, atom)[0]),
     **{word: lambda context, word=word: trait(context, word) for word in p.TRAITS},
+    **{
+        word: lambda context, word=word: trait(replace(context, has_edges=True), word)
+        for word in ("in", "out", "press")
+    },  # fmt: skip
 }

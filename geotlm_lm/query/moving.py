@@ -6,6 +6,7 @@ so.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -26,7 +27,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import holds, measured, net
+from geotlm_lm.query.measures import ASLANT, holds, measured, net
 from geotlm_lm.query.program import ATOM_OF, AXIS, UNITS, of
 from geotlm_lm.query.values import (
     Measure,
@@ -36,6 +37,12 @@ from geotlm_lm.query.values import (
     measure,
 )
 from geotlm_lm.query.worlds import COUNT, Happening, path_px, way_of
+
+DIAGONAL = math.tan(math.radians(30))
+"""Share of how far a slide goes the greater way from which on it goes both ways alike."""
+
+SURELY = 0.9
+"""Share of the worlds in which it has to."""
 
 LONGER = 1.25
 """How many times as long as the net way the whole one is where that is told as well."""
@@ -76,7 +83,7 @@ def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
         touching = holds(context, "touch")
     else:
         asked = tuple(each for each in asked if each is not Component.PRESS)
-    edit = context.view
+    edit, context = context.view, replace(context, has_edges=Component.PRESS in asked)
     if touching.mean() < 0.5:
         return Moved(of=of("way", "all"), rest=Motion.NONE, denied=asked, edit=edit,
                      probability=1 - float(touching.mean()))  # fmt: skip
@@ -140,8 +147,10 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
         back_and_forth, _ = spread(there, moves, context)
         is_longer = back_and_forth.mean >= LONGER * amount.mean and context.worlds.is_timed
         whole = back_and_forth if is_longer and component is not Component.PRESS else None
+    sides = twist[moves] @ np.array([axes[way], axes[aslant or way]], float).T
+    is_diagonal = aslant is not None and (sides[:, 1] >= DIAGONAL * sides[:, 0]).mean() >= SURELY
     return Movement(way, aslant, amount, float(right.mean()), barely,
-                    _ends(context, component), whole), right  # fmt: skip
+                    _ends(context, component), whole, bool(is_diagonal)), right  # fmt: skip
 
 
 def _aslant(goes: dict[Motion, NDArray[np.bool_]], way: Motion) -> Motion | None:
@@ -252,6 +261,9 @@ def shown_in(
     likely = (each for each in seen if each.probability >= 0.5)
     if at_s is not None:
         likely = (each for each in likely if each.begin_s - 1e-9 <= at_s <= each.end_s + 1e-9)
+    elif context.begin is not None:  # what bounds a span may lie outside it
+        begin, end = (middle(context, each) for each in context.span)
+        likely = (each for each in likely if each.begin_s < end and each.end_s > begin)
     likely = (each for each in likely if each.component in (None, *components))
     return tuple(shown(context, each) for each in sorted(likely, key=lambda each: each.begin_s))
 
@@ -288,6 +300,11 @@ def shown(context: Context, happening: Happening) -> Shown:
         numbers = measured(context, happening.component.value, happening.twist)
         amount, _ = spread(numbers, is_real, replace(context, trace=Trace(reason="none-such")))
     path = float(np.median(happening.path_px[is_real])) if is_real.any() else 0.0
-    way = way_of(happening.kind, mean)
+    way, aslant, share = way_of(happening.kind, mean), None, 0.0
+    if way in SLIDES:
+        along = {each: max(float(mean @ AXIS[ATOM_OF[each]]), 0.0) for each in SLIDES}
+        other = max((each for each in SLIDES if each is not way), key=along.__getitem__)
+        share = along[other] / max(along[way], 1e-9)
+        aslant = other if share >= ASLANT else None
     return Shown(happening.kind, way, happening.begin_s, happening.end_s, amount, path,
-                 happening.probability, happening.is_edge)  # fmt: skip
+                 happening.probability, happening.is_edge, aslant, share >= DIAGONAL)  # fmt: skip

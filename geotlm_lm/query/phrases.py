@@ -24,7 +24,7 @@ from geotlm_lm.query.program import (
     type_of,
 )
 from geotlm_lm.query.quantities import Quantity
-from geotlm_lm.query.values import Measure, Movement, Recording
+from geotlm_lm.query.values import Measure, Movement, Recording, Shown
 
 
 @lru_cache(maxsize=1)
@@ -324,9 +324,11 @@ def limit_phrase(limits: Sequence[Measure]) -> str:
     return f" by more than {first}" + "".join(f" ({other})" for other in others)
 
 
-def way_phrase(move: Movement) -> str:
-    """Return where it goes: "left and a little up"."""
-    return f"{move.way.value} and a little {move.aslant.value}" if move.aslant else move.way.value
+def way_phrase(move: Movement | Shown) -> str:
+    """Return where it goes: "left and a little up", "left and up"."""
+    if move.aslant is None:
+        return move.way.value
+    return f"{move.way.value} and {'' if move.is_diagonal else 'a little '}{move.aslant.value}"
 
 
 def movement_phrase(move: Movement) -> str:

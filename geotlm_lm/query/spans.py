@@ -100,6 +100,9 @@ def _duration(context: Context, clock_s: Floats) -> Numbers:
 
 def _length(context: Context, span: Expression) -> Numbers:
     context.timed()
+    if span.word == "contact":  # of several touches, without what lies between
+        touched_s = sum(end - begin for begin, end in context.worlds.contacts)
+        return _duration(context, np.full(COUNT, touched_s))
     return _duration(context, evaluate(span, context).length)
 
 

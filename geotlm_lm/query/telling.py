@@ -195,7 +195,10 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
     is_asked = first.component in asked and head.word in TRAITS
     if value.holds and is_asked and first.times is not None and len(moves) == 1:
         way = f"{way_phrase(first)}, " if head.word in ("turn", "slide", "move") else ""
-        return f"{way}{teller.span(first.times)}{teller.where(motion, [first.way] if way else [])}"
+        own = [each for each in value.shown if each.way is WAY_ATOMS.get(head.word)]
+        ends = [(each.begin_s, each.end_s) for each in own] or [first.times]
+        times = min(begin for begin, _ in ends), max(end for _, end in ends)
+        return f"{way}{teller.span(times)}{teller.where(motion, [first.way] if way else [])}"
     if value.holds and is_asked and head.word in ("turn", "slide", "move"):
         return f"{joined([way_phrase(move) for move in moves])}{teller.where(motion, [first.way])}"
     if value.holds and is_asked and first.amount is not None:
@@ -385,7 +388,7 @@ def _event(teller: Teller, shown: Shown) -> str:
     if shown.kind is EventKind.PRESS:
         return f"presses in {when}"
     far = f" {amount_phrase(shown.amount)}" if shown.amount is not None else ""
-    return f"{shown.kind.value}s {shown.way.value}{far} {when}"
+    return f"{shown.kind.value}s {way_phrase(shown)}{far} {when}"
 
 
 def _choice(teller: Teller, value: Choice) -> str:

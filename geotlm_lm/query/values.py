@@ -209,6 +209,8 @@ class Shown:
     path_px: float
     probability: float
     is_edge: bool = True  # a press or release that is the beginning or the end of a contact
+    aslant: Motion | None = None  # the lesser way of a slide between two
+    is_diagonal: bool = False  # whether it goes nearly as far that way
 
 
 @dataclass(frozen=True)
@@ -222,6 +224,7 @@ class Movement:
     barely: bool
     times: tuple[float, float] | None = None  # from when to when, seconds; None of a clip
     path: Measure | None = None  # there and back, where that is well above the net one
+    is_diagonal: bool = False  # whether it goes nearly as far the lesser way
 
     @property
     def component(self) -> Component:

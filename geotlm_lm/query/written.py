@@ -12,7 +12,7 @@ from itertools import zip_longest
 from typing import Any
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.query.phrases import KIND_WORDS, amount_phrase, joined, label_of
+from geotlm_lm.query.phrases import KIND_WORDS, amount_phrase, joined, label_of, way_phrase
 from geotlm_lm.query.program import Case, head_of, measure_of, type_of
 from geotlm_lm.query.telling import MOVING, Teller, Wording
 from geotlm_lm.query.values import (
@@ -303,7 +303,7 @@ def _listed(values: Sequence[Value], form: str, teller: Teller) -> Wording:
         if isinstance(value, Moved) and head_of(value.of).word == "story" and value.shown:
             for each in value.shown:
                 far = "" if each.amount is None else amount_phrase(each.amount)
-                way = each.way.value if each.kind in MOVING else ""
+                way = way_phrase(each) if each.kind in MOVING else ""
                 lines.append([teller.span((each.begin_s, each.end_s)), each.kind.value, way, far])
         elif isinstance(value, Record) and _rows([value]):
             lines += [[decided(each, teller) or "" for each in row.values()]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import zipfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Clip
-from geotlm_lm.core.errors import UnreadableClip, damage_as
+from geotlm_lm.core.errors import UnreadableClip, UsageError, damage_as
 from geotlm_lm.recordings.pixels import (
     Layout,
+    check_layout,
     layout_of,
     parts_of,
     require_numbers,
@@ -38,7 +39,7 @@ ARRAY_SUFFIXES = (".npy", ".npz")
 SQUARE_PIXELS = "square_pixels"
 """Key of an archive that says whether the camera's pixels were square when frames were saved."""
 
-BESIDES = ("fps", "background", SQUARE_PIXELS)
+BESIDES = ("fps", "background", "layout", SQUARE_PIXELS)
 """Keys of an archive that hold no frames."""
 
 MOST_ARRAYS = 100
@@ -65,7 +66,7 @@ def read_array(path: Path, layout: str | None = None) -> Clip:
 
 
 def read_archive(path: Path, layout: str | None = None) -> Clip:
-    """Return the clip in a .npz file with `frames` and, optionally, `fps` and `background`.
+    """Return the clip in a .npz file with `frames` and, optionally, `fps`, `background`, `layout`.
 
     Where no array is called `frames`, the only other one is taken for them (`numpy.savez(path,
     frames)` calls it `arr_0`), or of several the only one with the shape of pictures, in colour
@@ -76,6 +77,7 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     with _refusing_damage(name), zipfile.ZipFile(path) as archive:
         keys = _keys(archive)
         key = _key_of_frames(archive, keys, name)
+        layout = layout or _stated_layout(archive, keys)
         # All that can be refused by what is declared is refused before anything is unpacked.
         shape, is_fortran, dtype = _member_header(archive, key, name)
         _require_frames(shape, dtype, layout, name)
@@ -104,6 +106,16 @@ def read_archive(path: Path, layout: str | None = None) -> Clip:
     )
 
 
+def _stated_layout(archive: zipfile.ZipFile, keys: Collection[str]) -> str | None:
+    """Return what an archive states by `layout`; None where that is missing or no layout."""
+    if "layout" not in keys or _member_header(archive, "layout", "")[2].kind != "U":
+        return None
+    try:
+        return check_layout(str(_read_member(archive, "layout")))
+    except UsageError:
+        return None
+
+
 def stated_square_pixels(path: Path) -> bool | None:
     """Return whether a .npz states by `square_pixels` that they are; None where it does not."""
     with _refusing_damage(str(path)), zipfile.ZipFile(path) as archive:
@@ -118,6 +130,19 @@ def stated_square_pixels(path: Path) -> bool | None:
             f"save True or False or leave it out."
         )
     return bool(value.reshape(()))
+
+
+def declared_count(path: Path) -> tuple[int | None, float | None]:
+    """Return how many frames a .npy or .npz file holds, and the rate that it states."""
+    if path.suffix.lower() == ".npy":
+        return next(iter(map_array(path).shape), None), None
+    name = str(path)
+    with _refusing_damage(name), zipfile.ZipFile(path) as archive:
+        keys = _keys(archive)
+        shape, _, _ = _member_header(archive, _key_of_frames(archive, keys, name), name)
+        if "fps" not in keys or math.prod(_member_header(archive, "fps", name)[0]) != 1:
+            return next(iter(shape), None), None
+        return next(iter(shape), None), _number(_read_member(archive, "fps"), name)
 
 
 def declared_frames(path: Path) -> int:
@@ -227,7 +252,7 @@ def _member_header(
 
 def _require_frames(
     shape: tuple[int, ...], dtype: np.dtype, layout: str | None, name: str
-) -> tuple[Layout, str]:
+) -> tuple[Layout, str | None]:
     """Return the layout of frames that are declared, refusing what can be none."""
     axes, note = layout_of(shape, parts_of(layout)[0], name)
     if math.prod(shape) == 0:
@@ -280,11 +305,11 @@ def _clip_of(
 ) -> Clip:
     """Return the clip of frames of a declared shape, which `stored_at` gives at a stride."""
     axes, layout_note = _require_frames(shape, dtype, layout, name)
-    notes = [layout_note]
+    notes = [] if layout_note is None else [layout_note]
 
     def frames(stride: int) -> Iterator[SourceFrame]:
-        pictures, range_note = rgb_frames(stored_at(stride), axes, parts_of(layout)[1], name)
-        notes.append(range_note)
+        pictures, more = rgb_frames(stored_at(stride), axes, parts_of(layout)[1], name)
+        notes.extend(more)
         yield from map(SourceFrame, pictures)
 
     rows, columns = (shape[axes.index(axis)] for axis in "HW")

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import MIN_SIDE, Clip, Frames
-from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.errors import UnreadableClip, UsageError, choice_of
 from geotlm_lm.core.geometry import IMAGE_SIDE
 
 Layout = Literal["THWC", "TCHW", "THW"]
@@ -41,6 +41,7 @@ SQUASHED = (
     f"Frames of {IMAGE_SIDE}x{IMAGE_SIDE} were taken for a 4:3 picture squashed to a square; pass "
     f"--square-pixels if the camera's is square."
 )
+GUESSED_ORDER = "Colours were taken for red, green, blue; pass --layout BGR if OpenCV gave them."
 UNSQUASHED = (
     f"Frames of {IMAGE_SIDE}x{IMAGE_SIDE} were taken as the camera took them, as asked or as the "
     f"file states; their last column is left out."
@@ -56,23 +57,29 @@ def check_layout(layout: str | None) -> str | None:
     axes, dash, order = layout.upper().rpartition("-")
     is_ordered = order in get_args(Order) and (not dash or axes in ("THWC", "TCHW"))
     if not is_ordered and layout.upper() not in get_args(Layout):
-        raise UsageError(
-            f"The layout '{layout}' is unknown, expected one of {', '.join(get_args(Layout))}, or "
-            f"BGR, or both as in THWC-BGR; leave it out to have it guessed."
-        )
+        known = (*get_args(Layout), *get_args(Order), "THWC-BGR", "TCHW-BGR")
+        raise UsageError(f"The layout '{layout}' is unknown; {choice_of(layout, known)}")
     return layout.upper()
 
 
-def parts_of(layout: str | None) -> tuple[Layout | None, Order]:
-    """Return the axes that a checked layout names, None to guess them, and the order of colours."""
+def parts_of(layout: str | None) -> tuple[Layout | None, Order | None]:
+    """Return the axes and the order of colours that a checked layout names, None of what it omits.
+
+    Axes are then guessed, and colours taken for red, green, blue.
+    """
     if layout is None or layout in get_args(Layout):
-        return layout, "RGB"  # type: ignore[return-value]
+        return layout, None  # type: ignore[return-value]
     axes, _, order = layout.rpartition("-")
     return axes or None, order  # type: ignore[return-value]
 
 
-def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple[Layout, str]:
-    """Return the layout of an array of `shape`, guessed unless it is given, and a note on it."""
+def layout_of(
+    shape: tuple[int, ...], layout: Layout | None, name: str
+) -> tuple[Layout, str | None]:
+    """Return the layout of an array of `shape`, guessed unless it is given, and a note on a doubt.
+
+    There is none where the shape fits one layout only.
+    """
     if layout is not None:
         is_grey = "C" not in layout
         if len(shape) != len(layout) or not (is_grey or shape[layout.index("C")] in WITH_ALPHA):
@@ -80,7 +87,7 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
                 f"{name}: shape {shape} is not of the layout {layout} with 1, 3 or 4 channels; "
                 f"give the layout the file has, or leave it out."
             )
-        return layout, f"Shape {shape} is read as {layout}, as asked."
+        return layout, None
     if len(shape) == 4:
         return _guess(shape, name)
     if len(shape) == 3 and shape[-1] in WITH_ALPHA:
@@ -106,15 +113,15 @@ def layout_of(shape: tuple[int, ...], layout: Layout | None, name: str) -> tuple
     )
 
 
-def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
+def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str | None]:
     last, first = shape[3] in WITH_ALPHA, shape[1] in COLOURS
     if last and first:
         return "THWC", (
-            f"Shape {shape} fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is not."
+            f"Shape {shape} was taken for frames, rows, columns, colours; pass --layout TCHW if "
+            f"its colours come second."
         )
     if last or first:
-        layout: Layout = "THWC" if last else "TCHW"
-        return layout, f"Shape {shape} was taken for {layout}; pass --layout if it is not."
+        return "THWC" if last else "TCHW", None
     elsewhere = next((axis for axis in (0, 2) if shape[axis] == COLOURS[-1]), None)
     if elsewhere is not None and shape[3] >= MIN_SIDE:  # else the last axis holds no columns
         place = "first" if elsewhere == 0 else "third"
@@ -129,9 +136,9 @@ def _guess(shape: tuple[int, ...], name: str) -> tuple[Layout, str]:
 
 
 def rgb_frames(
-    array: NDArray, layout: Layout, order: Order, name: str
-) -> tuple[Iterator[Callable[[], Frames]], str]:
-    """Return what makes each frame uint8 RGB, and a note on the range of the values.
+    array: NDArray, layout: Layout, order: Order | None, name: str
+) -> tuple[Iterator[Callable[[], Frames]], list[str]]:
+    """Return what makes each frame uint8 RGB, and notes on what was taken for what.
 
     One by one: a floating-point copy of the whole recording would not fit the bound. Numbers are in
     [0, 1] (floating point only), [0, 255], or uint16 that uses its range; alpha is left out.
@@ -145,7 +152,11 @@ def rgb_frames(
         array = np.moveaxis(array, 1, -1)
     elif layout == "THW":
         array = array[..., None]
-    alpha = " The fourth channel was taken for alpha and left out." * (array.shape[-1] == 4)
+    notes = []
+    if order is None and array.shape[-1] >= COLOURS[-1]:
+        notes.append(GUESSED_ORDER)
+    if array.shape[-1] == WITH_ALPHA[-1]:
+        notes.append("The fourth channel was taken for alpha and left out.")
     array = array[..., :3]
     low, high = array.min(), array.max()
     if not np.isfinite(low) or not np.isfinite(high):
@@ -167,9 +178,7 @@ def rgb_frames(
     span = "0..65535" if is_deep else "0..1" if is_unit else "0..255"
     if order == "BGR":
         array = array[..., ::-1]
-    advice = "; pass --layout BGR if OpenCV gave them" if order == "RGB" else ""
-    note = f"Values ({array.dtype}) were taken for {span}, colours for {order}{advice}.{alpha}"
-    return (partial(_in_8_bits, frame, span) for frame in array), note
+    return (partial(_in_8_bits, frame, span) for frame in array), notes
 
 
 def _in_8_bits(stored: NDArray, span: str) -> Frames:
@@ -190,7 +199,7 @@ def require_numbers(dtype: np.dtype, name: str) -> None:
         )
 
 
-def still_to_rgb(array: NDArray, order: Order, name: str) -> Frames:
+def still_to_rgb(array: NDArray, order: Order | None, name: str) -> Frames:
     """Return one still image, shape (rows, columns, 3), from (H,W), (H,W,C) or (C,H,W) numbers."""
     layout: Layout
     if array.ndim == 2:

@@ -10,6 +10,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from numbers import Integral
 from os import PathLike, fspath
 from pathlib import Path
@@ -19,10 +20,11 @@ import cv2
 import numpy as np
 
 from geotlm_lm.core.clip import MOST_FPS, Clip, Frames, require_number
-from geotlm_lm.core.errors import UnreadableClip, UsageError, require_inside
+from geotlm_lm.core.errors import UnreadableClip, UsageError, nearest, require_inside
 from geotlm_lm.core.image_size import declared_size, page_sizes
 from geotlm_lm.recordings.arrays import (
     ARRAY_SUFFIXES,
+    declared_count,
     declared_frames,
     map_array,
     read_archive,
@@ -192,8 +194,17 @@ def require_there(path: Path) -> Path:
     except OSError as error:  # no right to look into a folder above it, or too long a name
         raise _unopened(path, error) from error
     if not is_there:
-        raise UnreadableClip(f"{path}: no such file or folder; check the path.")
+        raise UnreadableClip(f"{path}: no such file or folder; {_advice(path)}")
     return path
+
+
+def _advice(path: Path) -> str:
+    """Return what to do where a path leads nowhere; the nearest name beside it, if one is alike."""
+    try:
+        near = nearest(path.name, (beside.name for beside in islice(path.parent.iterdir(), 5000)))
+    except OSError:
+        near = None
+    return "check the path." if near is None else f"did you mean '{path.with_name(near)}'?"
 
 
 def require_file(path: Path, wanted: str = "a recording") -> None:
@@ -325,6 +336,27 @@ def _is_recording(path: Path) -> bool:
         return any(Path(name).suffix.lower() in IMAGE_SUFFIXES for name in os.listdir(path))
     except OSError:
         return True  # reading it will say why it cannot be opened
+
+
+def declared_length(path: Path) -> tuple[int | None, float | None]:
+    """Return how many frames a recording declares and their rate, None of what it does not tell.
+
+    Nothing is decoded, so a file that is cut off has fewer.
+    """
+    suffix = path.suffix.lower()
+    try:
+        if path.is_dir() and not is_bag(path):
+            return len(folder_images(path).frames) or None, None
+        if suffix in ARRAY_SUFFIXES:
+            return declared_count(path)
+        if suffix not in VIDEO_SUFFIXES:
+            return None, None
+        with quiet_capture(path, cv2.CAP_FFMPEG) as capture:
+            frames, fps = (capture.get(of) for of in (cv2.CAP_PROP_FRAME_COUNT, cv2.CAP_PROP_FPS))
+        is_rated = 0 < frames < 10**9 and 0 < fps < MOST_FPS
+        return (round(frames), round(fps, 3)) if is_rated else (None, None)
+    except (UnreadableClip, OSError):
+        return None, None
 
 
 def declared_bytes(path: Path) -> int:

@@ -20,8 +20,8 @@ from queue import Empty, SimpleQueue
 import cv2
 import numpy as np
 
-from geotlm_lm.core.clip import Frames
-from geotlm_lm.core.errors import MissingDependency, Stalled
+from geotlm_lm.core.clip import Clip, Frames
+from geotlm_lm.core.errors import MissingDependency, Stalled, UnreadableClip
 from geotlm_lm.recordings.legible import DARK_GREY
 from geotlm_lm.recordings.pixels import check_layout
 from geotlm_lm.recordings.policy import rate_ahead, require_same_size
@@ -192,6 +192,7 @@ class Recording:
     ) -> None:
         self.name, self._path, self._topic = str(path), path, topic
         self._is_rate_given, self._clip, step = fps is not None, None, 1
+        self._is_square = square_pixels
         require_there(path)
         if is_streamed(path):
             is_video = path.suffix.lower() in VIDEO_SUFFIXES
@@ -210,6 +211,15 @@ class Recording:
             step = int(np.diff(self._clip.frame_numbers).min())
         self._recorded_fps, self.is_rate_assumed = _rate(fps, recorded_fps or 0.0)
         self.fps = self._recorded_fps / step
+
+    def whole(self) -> Clip | None:
+        """Return all of the recording, for its idle gel; None where it cannot be read at once."""
+        if self._clip is not None:
+            return self._clip
+        try:
+            return read_clip(self._path, square_pixels=self._is_square, topic=self._topic)
+        except UnreadableClip:  # as of one that is still being written
+            return None
 
     def __iter__(self) -> Iterator[StreamFrame]:
         """Yield every frame; a video or a bag is decoded as it is read, however long it is.

@@ -18,7 +18,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UsageError, choice_of
 from geotlm_lm.simulation.elastic import HalfSpaceOperator, LayerOperator
 from geotlm_lm.simulation.profile import Profile
 from geotlm_lm.simulation.scene import CENTRED, Gel, Mounting, Path, Scene
@@ -123,7 +123,7 @@ FAST = PRESETS["fast"]
 def preset_named(name: str) -> Preset:
     """Return the preset called `name`; an unknown name is a `UsageError`."""
     if name not in PRESETS:
-        raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(PRESETS)}.")
+        raise UsageError(f"there is no preset '{name}'; {choice_of(name, PRESETS)}")
     return PRESETS[name]
 
 

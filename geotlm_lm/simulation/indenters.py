@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UsageError, choice_of
 from geotlm_lm.simulation.shapes import Indenter, extrude, hypot, where_solid
 from geotlm_lm.simulation.shapes_round import FACES
 from geotlm_lm.simulation.shapes_solid import SOLIDS
@@ -154,6 +154,4 @@ INDENTERS: dict[str, Indenter] = _TRAINING | EVERYDAY
 def require_shape(name: str) -> None:
     """Refuse, with a `UsageError`, a name that no body has."""
     if name not in INDENTERS:
-        raise UsageError(
-            f"There is no shape '{name[:40]}', expected one of {', '.join(sorted(INDENTERS))}."
-        )
+        raise UsageError(f"There is no shape '{name[:40]}'; {choice_of(name, sorted(INDENTERS))}")

@@ -1,7 +1,6 @@
 """What is drawn of a track: curves with their spans, bands of events, and marks over each frame.
 
-The plot and the film are drawn here; the Rerun recording and the page read the same values. None
-works out its own.
+The film is drawn here; the plot, the Rerun recording and the page read the same values.
 """
 
 from __future__ import annotations
@@ -11,9 +10,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from io import BytesIO
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -21,12 +18,12 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import Unwritten
-from geotlm_lm.core.files import plain_name, replacing, replacing_by_name
+from geotlm_lm.core.files import plain_name, replacing_by_name
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.recordings.video import quiet_capture
-from geotlm_lm.track.events import Event, EventKind
-from geotlm_lm.track.export import Exported, Units, event_name, require_packages
+from geotlm_lm.track.events import Event
+from geotlm_lm.track.export import Exported, Units, event_name
 from geotlm_lm.track.track import Track
 from geotlm_lm.views import ARROW_COLOUR, ARROW_THICKNESS, magnified
 
@@ -42,26 +39,6 @@ DIAL_PX, DIAL_MARGIN = 30, 10
 """Radius of the dial that shows the turn, and its distance from the corner."""
 
 WHITE, GREY = (255, 255, 255), (150, 150, 150)
-
-COLOURS = {
-    EventKind.TOUCH: "black",
-    EventKind.PRESS: "tab:green",
-    EventKind.TURN: "tab:blue",
-    EventKind.SLIDE: "tab:orange",
-    EventKind.STICK: "tab:gray",
-    EventKind.SLIP: "tab:red",
-    EventKind.RELEASE: "tab:purple",
-}
-
-LANES = tuple(kind for kind in EventKind if kind is not EventKind.TOUCH)
-"""Kinds of events that have a bar each, one below the other; a touch is a line through all."""
-
-STYLES = {
-    "turn": ("tab:blue", "turn (clockwise positive)"),
-    "right": ("tab:orange", "travel to the right"),
-    "down": ("tab:brown", "travel down the image"),
-    "contact": ("black", None),
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,76 +263,3 @@ def filming(path: Path, fps: float) -> Iterator[Callable[[Frames], None]]:
                 f"{path} could not be written whole; free some room on the disk, or give a name on "
                 f"another one."
             )
-
-
-def write_plot(path: Path, exported: Exported, *, in_frames: bool) -> None:
-    """Draw a track to a PNG file; arguments and errors as of `plot_png`."""
-    require_packages(path)
-    png = plot_png(exported, in_frames=in_frames)
-    with replacing(path) as stream:
-        stream.write(png)
-
-
-def plot_png(exported: Exported, *, in_frames: bool) -> bytes:
-    """Return turn, travel and contact of each frame, with bands that hold nine tenths, as a PNG.
-
-    Args:
-        exported: The track.
-        in_frames: Whether to draw over frame numbers, as of recordings without a frame rate.
-
-    Raises:
-        MissingDependency: If matplotlib is not installed.
-    """
-    require_packages(Path("timeline.png"))
-    from matplotlib.figure import Figure
-
-    drawing = drawing_of(exported.track, exported.units)
-    figure = Figure(figsize=(9.0, 7.5), layout="constrained")
-    axes = figure.subplots(4, sharex=True, height_ratios=(3, 3, 1.5, 1.8))
-    panels = dict(zip(("turn", "travel", "contact", "events"), axes, strict=True))
-    _draw_curves(panels, drawing, drawing.numbers if in_frames else drawing.times_s)
-    panels["turn"].set_ylabel("turn (degrees)")
-    panels["travel"].set_ylabel(f"travel ({drawing.units.name})")
-    panels["contact"].set(ylabel="contact\n(probability)", ylim=(-0.05, 1.05))
-    _draw_bands(panels, drawing, in_frames)
-    panels["events"].set_xlabel("frame" if in_frames else "time (s)")
-    for panel in axes:
-        panel.grid(alpha=0.3)
-    figure.legend(loc="outside upper center", ncols=5, fontsize="small")
-    stream = BytesIO()
-    figure.savefig(stream, dpi=120, format="png")
-    return stream.getvalue()
-
-
-def _draw_curves(panels: dict[str, Any], drawing: Drawing, times: Any) -> None:
-    for curve in drawing.curves:
-        if curve.name not in STYLES:
-            continue
-        axes, (colour, label) = panels[curve.panel], STYLES[curve.name]
-        axes.plot(times, curve.mean, color=colour, label=label)
-        if curve.spread is not None:
-            low, high = curve.mean - curve.spread, curve.mean + curve.spread
-            axes.fill_between(times, low, high, color=colour, alpha=0.2, linewidth=0)
-
-
-def _draw_bands(panels: dict[str, Any], drawing: Drawing, in_frames: bool) -> None:
-    """Draw each event as a bar in its lane, and a line through all panels where contact begins."""
-    lanes, labelled = panels["events"], set()
-    for event in (band.event for band in drawing.bands):
-        begin, end = (event.begin, event.end) if in_frames else (event.begin_s, event.end_s)
-        label = None if event.kind in labelled else event.kind.value
-        labelled.add(event.kind)
-        colour = COLOURS[event.kind]
-        if event.kind is EventKind.TOUCH:
-            for axes in (*panels.values(), lanes):
-                axes.axvline(begin, color=colour, linestyle=":", linewidth=1)
-            lanes.lines[-1].set_label(label)
-            continue
-        lane = LANES.index(event.kind)
-        lanes.barh(lane, end - begin, left=begin, height=0.7, color=colour, label=label,
-                   edgecolor="white" if end > begin else colour)  # fmt: skip
-        panel = {EventKind.TURN: "turn", EventKind.SLIDE: "travel"}.get(event.kind)
-        if panel is not None:
-            panels[panel].axvspan(begin, end, color=colour, alpha=0.07, linewidth=0)
-    lanes.set_yticks(range(len(LANES)), [kind.value for kind in LANES], fontsize="small")
-    lanes.set_ylim(len(LANES) - 0.5, -0.5)

@@ -25,6 +25,8 @@ UNITS = {Component.TURN: "deg", Component.PRESS: "mm"}
 _PACKAGES = {
     ".parquet": ("pyarrow", "track"),
     ".png": ("matplotlib", "track"),
+    ".svg": ("matplotlib", "track"),
+    ".pdf": ("matplotlib", "track"),
     ".rrd": ("rerun", "rerun"),
 }
 """What writes a file, by its ending, and the extra that installs it."""
@@ -139,30 +141,33 @@ class Exported:
         slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
         slides = [units.amount(event)[0] for event in track.of(Component.SLIDE)]
         path = Span(sum(slide.mean for slide in slides), sum(slide.deviation for slide in slides))
-        turn_limit, slide_limit = self._limits()
+        limits = {component: round(float(far), 3) for component, far in self.limits().items()}
         return {
             "frames": len(track),
             "seconds": round(track.seconds, 4),
             "touched_s": touched_s if track.is_contact_known else None,
             "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
-            "turn_limit": turn_limit,
+            "turn_limit": limits.get(Component.TURN),
             "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
             "turned_back": track.turned_back(),
             "slide_net": _plain(slide) | {"unit": units.name},
-            "slide_limit": slide_limit,
+            "slide_limit": limits.get(Component.SLIDE),
             "slide_right": round(float(right), 3),
             "slide_down": round(float(down), 3),
             "slide_in_all": _plain(path) | {"unit": units.name},
         }
 
-    def _limits(self) -> tuple[float | None, float | None]:
-        """Return how far a turn (degrees) and a slide have to go; None where nothing touches."""
+    def limits(self) -> dict[Component, float]:
+        """Return how far a turn (degrees), a slide and a press (mm) have to go to be an event.
+
+        Empty where nothing touches.
+        """
         limits, radius = self.track.limits, self.track.middle_radius_px
         if not limits or not radius:
-            return None, None
-        turn = np.degrees(limits[Component.TURN] / radius)
+            return {}
+        turn = float(np.degrees(limits[Component.TURN] / radius))
         slide = limits[Component.SLIDE] * max(self.units.travel[1])
-        return round(float(turn), 3), round(float(slide), 3)
+        return {**limits, Component.TURN: turn, Component.SLIDE: slide}
 
     def to_dict(self) -> dict[str, Any]:
         """Return events, totals and notes as plain JSON values."""

@@ -53,6 +53,9 @@ less would say that nothing touches."""
 
 NO_IDLE = "No untouched gel was seen, so nothing could be tracked; start while nothing touches."
 
+LOST_SHARE = 0.02
+"""Share of frames without a readable motion from which a note tells it."""
+
 BLOCK_ROWS = 256
 """Rows for which a copied table has room at first: more than a block of a fast camera."""
 
@@ -368,8 +371,12 @@ class Tracker:
             )
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")
-        if self._lost:
-            notes.append(f"In {self._lost} frames the imprint was lost: how it moved is not known.")
+        frames = self._table._count
+        if self._lost > LOST_SHARE * frames:
+            notes.append(
+                f"In {self._lost} of {frames} frames the imprint was lost: how it moved there is "
+                f"not known."
+            )
         return tuple(notes)
 
 

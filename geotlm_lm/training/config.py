@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UsageError, choice_of
 from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
@@ -153,7 +153,7 @@ HEADS_PRESETS = {preset.name: preset for preset in (HEADS_SMOKE, HEADS_DEFAULT)}
 def preset_named(name: str, presets: dict[str, Preset] = PRESETS) -> Preset:
     """Return the preset called `name`, or raise a UsageError that lists them."""
     if name not in presets:
-        raise UsageError(f"there is no preset '{name}'; choose one of {', '.join(presets)}.")
+        raise UsageError(f"there is no preset '{name}'; {choice_of(name, presets)}")
     return presets[name]
 
 

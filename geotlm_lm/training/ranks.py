@@ -20,7 +20,7 @@ import torch
 import torch.distributed as dist
 from torch import Tensor, nn
 
-from geotlm_lm.core.errors import MissingDependency, UsageError
+from geotlm_lm.core.errors import MissingDependency, UsageError, choice_of
 
 Value = TypeVar("Value")
 
@@ -152,7 +152,7 @@ def device_named(name: str | None, local: int = 0) -> str:
     if name is None:
         name = "cuda" if gpus else "cpu"
     if name not in DEVICES:
-        raise UsageError(f"There is no device '{name}'; choose one of {', '.join(DEVICES)}.")
+        raise UsageError(f"There is no device '{name}'; {choice_of(name, DEVICES)}")
     if name == "cpu":
         return name
     if local >= gpus:

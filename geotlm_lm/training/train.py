@@ -19,7 +19,7 @@ import torch
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.vit import ENCODE_BATCH, FrozenBackbone
 from geotlm_lm.checkpoint import LANGUAGE_DIR, Bundle, Calibration, load_bundle, save_bundle
-from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.errors import UsageError, choice_of
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
@@ -105,7 +105,7 @@ def train(
     """
     settings = preset_named(preset)
     if stage not in STARTS:
-        raise UsageError(f"There is no stage '{stage}'; choose one of {', '.join(STARTS)}.")
+        raise UsageError(f"There is no stage '{stage}'; {choice_of(stage, STARTS)}")
     if start is None and stage != STARTS[0]:
         raise UsageError(f"--stage {stage} goes on from a bundle; give one by --start.")
     # Before hours of simulation: a folder that holds none is refused.

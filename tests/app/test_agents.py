@@ -67,7 +67,10 @@ def test_an_agent_lists_recordings_tracks_one_asks_three_questions_and_looks(tal
 
     listed, track, answers, pictures = talk(conversation)
     assert [one["name"] for one in listed["recordings"]] == ["turn.npz", "day 1/dark.npy"]
-    assert CAP in listed["examples"]
+    assert CAP in [example["name"] for example in listed["examples"]]
+    lengths = {each["name"]: (each["frames"], each["fps"]) for each in listed["recordings"]}
+    assert lengths == {"turn.npz": (105, 25.0), "day 1/dark.npy": (6, None)}
+    assert all(example["frames"] >= 4 and example["fps"] == 25 for example in listed["examples"])
     (turn, back) = (one for one in track["events"] if one["event"] == "turn")
     assert (turn["way"], back["way"]) == ("clockwise", "counterclockwise")
     assert turn["low"] < 30 < turn["high"]
@@ -86,7 +89,7 @@ def test_an_agent_lists_recordings_tracks_one_asks_three_questions_and_looks(tal
 
 
 def test_frames_facts_and_the_size_of_a_pixel_hold_for_the_answer(use):
-    way = {"recording": CAP, "question": "Which way does it go?"}
+    way = {"recording": CAP, "question": "Which way does it go?", "details": True}
     plain, behind, sized = use(
         ("ask", way),
         ("ask", way | {"viewpoint": "object", "frames": [0, 2]}),
@@ -97,6 +100,41 @@ def test_frames_facts_and_the_size_of_a_pixel_hold_for_the_answer(use):
     assert behind.structuredContent["frames_used"][-1] <= 2
     assert sized.structuredContent["frame"]["mm_per_px"] == 0.1
     assert sized.structuredContent["amount"]["unit"] == "mm"
+
+
+def test_an_answer_is_short_unless_details_are_asked_for(use):
+    asked = {"recording": CAP, "question": "How far did it go?"}
+    short, whole = use(("ask", asked), ("ask", asked | {"details": True}))
+    names = {"text", "decided", "confidence", "amount", "direction", "query"}
+    assert set(short.structuredContent) == names
+    assert set(whole.structuredContent) > names | {"evidence", "options", "notes", "frame"}
+    same = {name: whole.structuredContent[name] for name in names}
+    assert same == short.structuredContent
+
+
+def test_what_is_mistyped_is_answered_with_the_nearest_name(use):
+    answers = use(
+        ("evidence", {"recording": "tunr.npz"}),
+        ("evidence", {"recording": CAP.removeprefix("example:")}),
+        ("evidence", {"recording": f"{CAP}s"}),
+        ("track", {"recording": "turn.npz", "row": 3}),
+        ("trakc", {"recording": "turn.npz"}),
+    )
+    nearest = ("turn.npz", CAP, CAP, "rows", "track")
+    for answer, name in zip(answers, nearest, strict=True):
+        assert answer.isError
+        assert answer.content[0].text.endswith(f"; did you mean '{name}'?")
+
+
+def test_confidence_is_defined_for_amounts_too(talk):
+    async def conversation(session, _):
+        return (await session.list_tools()).tools
+
+    (ask,) = (tool for tool in talk(conversation) if tool.name == "ask")
+    defined = ask.outputSchema["properties"]["confidence"]["description"]
+    assert "An amount is right within its tolerance: 2 degrees, 0.2 mm, 2 px" in defined
+    names = ["text", "decided", "confidence", "amount", "direction", "query"]
+    assert ask.outputSchema["required"] == names
 
 
 def test_rows_of_a_track_are_told_where_they_are_asked_for_and_no_more(use):

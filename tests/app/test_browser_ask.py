@@ -1,10 +1,14 @@
 """The page in a real browser: every tab is used as a person does, mistakes are made."""
 
+import threading
+import time
+
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from tests.app.browser import CHAT, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+from geotlm_lm import Session  # noqa: E402
+from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -134,13 +138,15 @@ def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, r
 
 def test_a_touch_is_simulated_and_asked_about(browser):
     browser.click("Simulate", "button[role=tab]")
-    browser.click("Simulate and ask", "button.primary")
     browser.wait_for(f"{TEXT}.includes('(wrong: it was clockwise and right)')")
     browser.wait_for(SHOWN)
     for layer in ("Motion", "True motion", "Depth"):
         browser.click(layer, ".stage-layers button")
+    slider = "[...document.querySelectorAll('input[type=range]')].find(e => e.max == '60')"
+    moved = "dispatchEvent(new Event('input', {bubbles: true}))"
+    browser.run(f"{slider}.value = -40; {slider}.{moved}")
+    browser.wait_for(f"{TEXT}.includes('true 40° counterclockwise')")
     browser.fill("Seed", "99999999999")  # beyond the greatest
-    browser.click("Simulate and ask", "button.primary")
     browser.wait_for(f"{NOTHING_SHOWN} && {TEXT}.includes('seed is')", seconds=30)
     assert "(wrong: it was clockwise and right)" not in browser.run(TEXT)
 
@@ -152,10 +158,85 @@ def test_a_recording_is_watched(browser, touch_path):
     browser.upload("Recording", touch_path)
     browser.wait_for(f"{TEXT}.includes('touch')")
     watched = f"{TEXT}.includes('idle gel learnt · 40 frames')"
+    browser.fill("Mark the moment", "it has turned 300 degrees")
+    browser.click("Mark")
+    browser.wait_for(f"{TEXT}.includes('Will wait for this: it turns by more than 300 degrees')")
     browser.click_until("Watch", watched, "button.primary")
+    browser.wait_for(f"{TEXT}.includes('Did not hold: it turns by more than 300 degrees')")
     browser.wait_for(f"{TOLD}.includes('held')")
     browser.click("When did it stop?", ".chips button")
     browser.wait_for(f"{CHAT}.innerText.includes('does not happen in this recording')")
     browser.click("Stop and clear")
     browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('idle gel learnt')")
+    browser.wait_for(f"{value_of('Mark the moment')} == '' && !{TEXT}.includes('Did not hold')")
     browser.wait_for(f"!{CHAT}.innerText.includes('does not happen in this recording')")
+
+
+def test_two_recordings_are_compared_and_one_is_closed_again(browser):
+    second = "document.querySelector('.stage-second .stage')"
+    browser.open_example("bead")
+    browser.click("Compare", ".stage-actions button")
+    browser.wait_for(f"{second}.offsetParent && {TEXT}.includes('Choose a second recording')")
+    browser.click("cable", "button.example")
+    browser.wait_for(f"{second}.dataset.shown == 'all' && {second}.innerText.includes('cable')")
+    assert browser.run(NAME + ".innerText") == "bead"
+    browser.ask("Do they turn the same way?")
+    browser.wait_for(f"{CHAT}.innerText.includes('the first ')")
+    browser.run(f"{second}.querySelector('[data-event=collapse]').click()")
+    browser.wait_for(f"!{second}.offsetParent && {SHOWN}")
+    assert browser.run(NAME + ".innerText") == "bead"
+
+
+def test_a_camera_that_is_missing_is_told_in_words(browser):
+    browser.click("Live", "button[role=tab]")
+    browser.click("Click to Access Webcam")
+    browser.wait_for(f"{TEXT}.includes('No camera is connected')")
+
+
+def test_a_question_that_is_stopped_does_not_appear_later(browser, monkeypatch):
+    release, ask = threading.Event(), Session.ask
+    browser.open_example("bead")
+
+    def slow(session, question):
+        release.wait(30)
+        return ask(session, question)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Session, "ask", slow)
+        browser.fill("Question", "How far did it go?")
+        browser.click("Ask", "button.primary")
+        browser.wait_for(f"{CHAT}.innerText.includes('Answering…')")
+        browser.click("Stop", ".waits button")
+        browser.wait_for(f"!{CHAT}.innerText.includes('How far did it go?')")
+        release.set()
+    browser.ask("Which way does it go?")
+    browser.wait_for(f"{CHAT}.innerText.includes('It slides ')")
+    assert "How far did it go?" not in browser.run(f"{CHAT}.innerText")
+
+
+def test_a_recording_shows_how_far_it_is_tracked_and_is_stopped(
+    browser, fake, recordings, monkeypatch
+):
+    encode, stopped = fake.encode, []
+
+    def slow(clip, *, progress, **named):
+        try:
+            for number in range(400):
+                progress("tracking", number, 400)
+                time.sleep(0.05)
+        except Exception as error:
+            stopped.append(error)
+            raise
+        return encode(clip, **named)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(fake, "encode", slow)
+        browser.upload("Recording", recordings["dark"])
+        browser.wait_for(f"/tracking, [0-9]+%/.test({STAGE}.innerText)", seconds=15)
+        browser.click("Stop", ".stage-bar button")
+        browser.wait_for(NOTHING_SHOWN, seconds=15)
+        until = time.monotonic() + 10
+        while not stopped and time.monotonic() < until:
+            time.sleep(0.05)
+    assert stopped
+    browser.open_example("cable")

@@ -85,7 +85,7 @@ def test_grey_frames_are_told_what_can_be_done_in_the_page(tmp_path, shape):
 
 
 def test_of_a_bag_with_two_cameras_one_is_opened_by_its_topic(bag):
-    advice = "give it as `topic`, on the page under Frames and notes of the Ask tab"
+    advice = "give it as `topic`, on the page under Details of the Ask tab"
     with pytest.raises(GeoTLMError, match=f"on 2 topics.*{advice}[.]$"):
         load_clip(FakeAnswerer(), str(bag))
     assert load_clip(FakeAnswerer(), str(bag), topic="/left").encoded.clip.recorded_frames == 4

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app import live
-from app.live import NOTHING, LiveSession, LiveTalk, follow_camera, stop, watch_recording
+from app.live import NOTHING, LiveSession, LiveTalk, follow_camera, stop, wait_for, watch_recording
 from geotlm_lm import GeoTLMError
 from tests.app.fakes import READ, FakeAnswerer
 from tests.track.recordings import there_and_back
@@ -194,3 +194,32 @@ def test_an_answer_about_what_is_watched_no_more_is_not_shown(frames, clock, mon
     session.ask = lambda question: (list(stop(watched)), ask(question))[1]
     (pending,) = talk.ask("Which way does it go?", watched, [], 0)
     assert pending["chat"]["exchanges"] == []
+
+
+def waiting(watched, text):
+    (told,) = wait_for(FakeAnswerer(), text, watched, [], 0)
+    return told["stage"]
+
+
+def test_the_moment_from_which_on_a_condition_holds_is_marked(tmp_path):
+    clip, watched = there_and_back(), LiveSession()
+    np.savez(tmp_path / "clip.npz", frames=clip.frames, fps=clip.fps)
+    text = "it has turned 20 degrees clockwise"
+    assert waiting(watched, text)["condition"].startswith("Will wait for this: it turns clockwise")
+    told = stages(watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"), watched))
+    assert told[0]["condition"].startswith("Waiting for this: ")
+    assert told[0]["marks"] == []
+    (moment,) = told[-1]["marks"]
+    assert 1.2 < moment < 1.9  # it turns by 30 degrees from 1 to 1.8 s
+    assert told[-1]["condition"].startswith(f"From {moment:.2f} s on: it turns clockwise")
+    assert waiting(watched, " ")["condition"] == ""
+    with pytest.raises(GeoTLMError, match="expected something that holds or does not"):
+        waiting(watched, "Which way does it go?")
+
+
+def test_what_happens_now_is_told_of_the_last_second(tmp_path, clock):
+    watched = LiveSession()
+    followed(there_and_back().frames[:70], watched)
+    track = watched.stream.shown(is_now=True).encoded.track
+    assert (track.times_s[0], track.times_s[-1]) == pytest.approx((69 * 0.04 - 1, 69 * 0.04))
+    assert watched.stream.shown().encoded.track.times_s[0] == 0

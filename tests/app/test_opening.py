@@ -126,3 +126,39 @@ def test_the_conversation_is_saved_in_words_and_whole(talked):
 def test_a_link_names_the_example_and_the_last_question(talked):
     link = saved("link", talked, Source("", "cap", "bottle_cap"))["link"]
     assert parse_qs(link.removeprefix("?")) == {"example": ["bottle_cap"], "q": ["Which & way?"]}
+
+
+def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked, recordings):  # noqa: F811
+    talking = Talking(FakeAnswerer())
+    opening, source = Opening(talking.answerer, talking), Source("", "cap")
+    before = ([], None, tracked, source)
+    (choosing,) = opening.compare(tracked)
+    assert choosing == {"is_comparing": True, "stage_second": {"chooses": True}}
+    *_, opened = opening.upload([str(recordings["dark"])], *before, True)
+    assert opened["stage"]["name"] == "cap"
+    assert opened["stage_second"]["name"] == "dark.npy"
+    assert opened["stage"]["scale"] == opened["stage_second"]["scale"]
+    assert "Which turned further?" in opened["chips"]
+    both = opened["shown"]
+    *_, answered = talking.ask("Do they go the same way?", both, source, [], None)
+    assert answered["chat"]["exchanges"][-1]["answer"].startswith("No: the first ")
+    assert [row[0] for row in answered["evidence"]["verdicts"]] == ["first", "second"]
+    assert "talk.add_clip(answerer.encode(read_clip('dark.npy')))" in answered["code"]
+    *_, forgotten = talking.forget(both, source, [])
+    assert len(forgotten["shown"].session.clips) == 2
+    *_, closed = opening.close_second(both, source)
+    assert (closed["stage_second"], closed["shown"].second) == ({}, None)
+    assert "scale" not in closed["stage"]
+    assert len(closed["shown"].session.clips) == len(closed["shown"].session.history) == 1
+
+
+def test_a_second_recording_that_fails_leaves_the_first_open(tracked, tmp_path):  # noqa: F811
+    (tmp_path / "broken.npy").write_bytes(b"no recording")
+    before = ([], None, tracked, Source("", "cap"), True)
+    steps = Opening(FakeAnswerer()).upload([str(tmp_path / "broken.npy")], *before)
+    assert next(steps)["stage_second"] == {"chooses": True}
+    with pytest.raises(GeoTLMError):
+        next(steps)
+    assert len(tracked.session.clips) == 1
+    with pytest.raises(GeoTLMError, match="^No recording is open"):
+        next(Opening(FakeAnswerer()).compare(None))

@@ -4,10 +4,10 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from threading import Event
 
-import httpx
 import numpy as np
 import pytest
 
+httpx = pytest.importorskip("httpx", reason="asking the page needs httpx (extra: app)")
 gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from gradio_client import Client, handle_file  # noqa: E402

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.simulate_tab import sentence_of, simulate, touch_of
+from app.simulate_tab import _rows, sentence_of, simulate, touch_of
 from app.stage import stage_of
 from geotlm_lm import GeoTLMError, Touch, simulate_touch
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -94,3 +94,12 @@ def test_a_touch_that_is_not_whole_is_told_in_a_sentence(name, depth, seed, sent
 def test_an_answer_is_judged_by_all_that_the_touch_did(is_right, ways, verdict):
     facts = {"answer": "Left.", "is_right": is_right, "true_ways": ways, "true_motion": "still"}
     assert sentence_of(facts) == f"Left.  {verdict}"
+
+
+def test_what_is_read_and_what_is_true_stand_in_one_row(made):
+    rows = {row["name"]: row for row in _rows(made)}
+    assert list(rows) == ["turn", "across", "down", "press"]
+    assert rows["across"]["true"] == made.facts["true"]["slide_x_px"]
+    assert rows["across"]["text"].endswith(", true 11 px right")
+    for row in rows.values():
+        assert row["low"] < row["mean"] < row["high"]

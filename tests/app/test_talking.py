@@ -13,7 +13,7 @@ from app.clips import load_clip, perceive
 from app.conversation import fields_of, suggested
 from app.opening import FIRST, Source, examples
 from app.talking import Talking, code_of
-from app.toolkit import COMPLAINT, filling, literal
+from app.toolkit import COMPLAINT, filling
 from geotlm_lm import FrameSpec, GeoTLMError
 from geotlm_lm.core.errors import MissingDependency
 from tests.app.fakes import FakeAnswerer
@@ -168,7 +168,7 @@ def test_the_code_of_a_conversation_gives_its_answers(tmp_path, monkeypatch, cap
 
 
 def test_the_code_names_an_example_and_a_topic():
-    shown = SimpleNamespace(session=SimpleNamespace(frame=FrameSpec()))
+    shown = SimpleNamespace(second=None, session=SimpleNamespace(frame=FrameSpec()))
     code = code_of(examples()["coin"], ["Which way?"], shown)
     assert "read_clip('app/examples/coin_press.npz')\n" in code
     bag = Source(["/tmp/x/run.mcap"], "run.mcap", topic="/left")
@@ -207,19 +207,6 @@ def test_a_complaint_is_emptied_once_and_filled_with_the_sentence_as_it_is():
 def test_a_defect_is_not_taken_for_an_error_of_the_user():
     with pytest.raises(ZeroDivisionError):
         list(filling(PARTS, lambda: iter([1 / 0]))())
-
-
-@pytest.mark.parametrize(
-    ("text", "markdown"),
-    [
-        ("![x](http://a.b/c)", r"\!\[x\]\(http\:\/\/a\.b\/c\)"),
-        ("<img src=x>", r"\<img src\=x\>"),
-        ("&lt; `a` **b** $c$", r"\&lt\; \`a\` \*\*b\*\* \$c\$"),
-        ("- a note, 3-4", r"- a note\, 3-4"),
-    ],
-)
-def test_markup_is_shown_as_it_is(text, markdown):
-    assert literal(text) == markdown
 
 
 def test_questions_on_offer_fit_what_is_open_and_the_last_answer(tracked):  # noqa: F811

@@ -10,7 +10,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from app.turns import AnswererInTurns, LazyAnswerer, Turns
+from app.turns import LISTENER, AnswererInTurns, LazyAnswerer, Stopped, Turns, reported
+from geotlm_lm import Session
 from geotlm_lm.core.errors import IncompatibleBundle
 from tests.app.fakes import FakeAnswerer
 from tests.track.recordings import there_and_back
@@ -217,3 +218,50 @@ def test_the_page_is_built_without_the_models_libraries():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_what_reports_how_far_it_is_returns_its_result_and_ends_once_it_is_stopped():
+    ended = []
+
+    def work():
+        for number in range(10**6):
+            try:
+                LISTENER.get()("tracking", number, 100)
+            except Stopped:
+                ended.append(number)
+                raise
+            time.sleep(0.001)
+
+    def counted():
+        return (yield from reported(lambda: len("done"), lambda *report: report))
+
+    steps = reported(work, lambda what, done, total: (what, done / total))
+    assert next(steps) == ("tracking", 0.0)
+    steps.close()
+    until = time.monotonic() + 10
+    while not ended and time.monotonic() < until:
+        time.sleep(0.01)
+    assert ended
+    with pytest.raises(StopIteration) as result:
+        next(counted())
+    assert result.value.value == 4
+
+
+def test_a_question_that_is_stopped_leaves_no_trace(monkeypatch):
+    shared = AnswererInTurns(FakeAnswerer(), Turns())
+    session = shared.session(FakeAnswerer().encode(there_and_back()))
+    ask = Session.ask
+
+    def stopped_meanwhile(plain, question):
+        answer = ask(plain, question)
+        session.stop()
+        return answer
+
+    session.ask("Which way does it go?")
+    with monkeypatch.context() as patch:
+        patch.setattr(Session, "ask", stopped_meanwhile)
+        with pytest.raises(Stopped):
+            session.ask("How far did it go?")
+    session.ask("Which way is it moving?")
+    asked = [turn.question for turn in session.history]
+    assert asked == ["Which way does it go?", "Which way is it moving?"]

@@ -79,7 +79,7 @@ def test_the_vision_part_of_a_chat_model_is_found_beside_its_language_part(tmp_p
 
 
 def test_an_unknown_name_is_answered_with_the_nearest_or_all():
-    with pytest.raises(UsageError, match="there is no encoder 'anytuch2'; did you mean anytouch2?"):
+    with pytest.raises(UsageError, match="no encoder 'anytuch2'; did you mean 'anytouch2'[?]"):
         encoder_row("anytuch2")
     with pytest.raises(UsageError, match="choose one of anytouch2, anytouch1, sparsh, t3"):
         encoder_row("resnet")

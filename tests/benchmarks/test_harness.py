@@ -81,7 +81,7 @@ def test_only_one_section_is_run_and_the_others_kept(toy):
 
 
 def test_an_unknown_section_is_refused(toy):
-    expected = "^--only 'fourth' is unknown, expected one of first, second[.]$"
+    expected = "^--only 'fourth' is unknown; choose one of first, second[.]$"
     with pytest.raises(UsageError, match=expected):
         run_bench(toy[0], Run(), only=["fourth"])
 

@@ -102,7 +102,7 @@ def test_history_repeats_the_turns(talk):
     [
         ("/clip gone.npy", "gone.npy: no such file or folder; check the path."),
         ("/clip", "/clip needs a path, such as /clip other.npz."),
-        ("/dance", "there is no /dance; the commands are /help,"),
+        ("/dance", "there is no /dance; did you mean '/evidence'?"),
         ("/frame fact unclear thread", "I did not understand which thread it is;"),
     ],
 )

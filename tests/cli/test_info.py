@@ -121,7 +121,7 @@ def test_a_recording_is_examined_in_words(capsys, repeating):
     assert (code, errors) == (0, "")
     assert lines[0].startswith("fine    frame rate: 25 frames per second")
     assert "fault   repeated frames: 12 of 24 equal the one before (52.2%)." in lines
-    assert any(line.startswith("note    Shape (24, 120, 160, 3) was taken") for line in lines)
+    assert any(line.startswith("note    Colours were taken for red") for line in lines)
     assert lines[-1] == "clip.npz: 2 to repair: repeated frames, contrast."
 
 

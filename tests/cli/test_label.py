@@ -45,7 +45,7 @@ def test_a_wrong_camera_is_told_with_those_there_are_and_a_set_that_is_none(caps
     assert run(capsys, root, "--camera", "wrist", "--out", tmp_path / "out") == (
         2,
         "",
-        f"{root}: has no camera wrist, expected one of {OTHER}, {CAMERA}; give its name.\n",
+        f"{root}: has no camera wrist; choose one of {OTHER}, {CAMERA}.\n",
     )
     code, _, err = run(capsys, tmp_path, "--camera", CAMERA, "--out", tmp_path / "out")
     assert code == 3

@@ -24,7 +24,7 @@ def lines_of(capsys, reports, unit="clips"):
 def test_a_line_comes_at_most_every_two_seconds_and_at_each_end(capsys):
     reports = [(0.5, "a", 1, 9), (1.9, "a", 2, 9), (2.1, "a", 3, 9), (2.2, "a", 9, 9)]
     assert lines_of(capsys, [*reports, (2.3, "b", 4, 4)], "") == [
-        "a: 3 of 9, 1.2/s",
+        "a: 3 of 9, 1.2/s, 5 s left",
         "a: 9 of 9, 4.7/s",
         "b: 4 of 4",
     ]

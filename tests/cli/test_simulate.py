@@ -68,8 +68,8 @@ def test_a_clip_turns_slides_and_presses_at_once_by_as_much_as_was_asked_for(tmp
         (("--press", 2, "--depth", 1), "A press by 2 mm about a depth of 1 mm goes from 0 to 2 mm"),
         (("--pivot-down", 1, "--press", 0.3), "--pivot-right and --pivot-down say where the axis"),
         (("--mixed", 0.5), "No such option: --mixed"),
-        (("--object", "unicorn"), "There is no shape 'unicorn', expected one of arc, "),
-        (("--object", ""), "There is no shape '', expected one of arc, "),
+        (("--object", "unicorn"), "There is no shape 'unicorn'; did you mean 'corner'?"),
+        (("--object", ""), "There is no shape ''; choose one of arc, "),
         (("--mm-per-px", 0.1), "--mm-per-px and --relief-mm say how to read a --height-map"),
         (("--height-map", "star.npy"), "--height-map needs --mm-per-px"),
         (

@@ -142,7 +142,8 @@ def test_no_file_is_replaced_unasked_nor_named_wrongly(capsys, path, tmp_path):
     code, _, err = run(capsys, path, "--plot", tmp_path / "t.gif")
     assert (code, err) == (
         2,
-        f"--plot {tmp_path / 't.gif'} was given, expected a name that ends in .png.\n",
+        f"--plot {tmp_path / 't.gif'} was given, expected a name that ends in .png or .svg "
+        f"or .pdf.\n",
     )
     assert run(capsys, path, "--force")[0] == 2
     assert run(capsys, path, "--frames", "90:200")[0] == 2

@@ -59,7 +59,7 @@ def test_it_prints_the_table_that_track_prints_and_the_account_to_stderr(capsys,
     assert len(events) == whole.index("") - 1
     assert "; touched for" in out
     assert f"note: {len(CLIP)} frames, none dropped; each tracked in " in err
-    assert "note: Values (uint8) were taken for 0..255" in err
+    assert "note: Colours were taken for red, green, blue; pass --layout BGR if OpenCV" in err
 
 
 def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recording):

@@ -175,7 +175,7 @@ def test_a_clip_that_cannot_be_read_is_left_out_and_named(tmp_path, frames, back
 @pytest.mark.parametrize(
     ("row", "said"),
     [
-        ("1,cap,,press,a,,", "clips.csv:2: the action 'press' is not known, expected one of"),
+        ("1,cap,,press,a,,", "clips.csv:2: the action 'press' is not known; choose one of"),
         ("1,cap,,slide_up,,,", "clips.csv:2: clip_id, object_id or frames is empty"),
         ("1,cap,,slide_up,a,,nan", "clips.csv:2: 'nan' frames per second, expected a number"),
         ("1,cap,,slide_up,a,,-3", "clips.csv:2: '-3' frames per second, expected a number"),
@@ -294,7 +294,7 @@ def test_without_a_frame_group_the_path_gives_the_order_and_hidden_copies_are_no
 def test_an_unusable_pattern_or_meaning_is_refused(tmp_path, pattern, said):
     with pytest.raises(UsageError, match=said):
         make_manifest(tmp_path, pattern, background_frame="0" if "frame" in said else None)
-    with pytest.raises(UsageError, match="'twist' is to mean 'turn', expected one of rotate_cw"):
+    with pytest.raises(UsageError, match="'twist' is to mean 'turn'; choose one of rotate_cw"):
         make_manifest(tmp_path, ANY, actions={"twist": "turn"})
 
 

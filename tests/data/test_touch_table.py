@@ -111,7 +111,7 @@ def test_what_is_not_there_is_not_read(folder):
     ("name", "old", "new", "message"),
     [
         ("gold_turns.csv", "quality,", "", "found the columns clip, .* expected clip, .*quality"),
-        ("gold_turns.csv", "fair", "good", ":2: found the quality 'good', expected one of sure,"),
+        ("gold_turns.csv", "fair", "good", ":2: found the quality 'good'; choose one of sure,"),
         ("gold_turns.csv", "10,30", "30,10", "'30' as first_frame and '10' as last_frame, exp"),
         ("gold_turns.csv", "12,33", ",33", "found '' as turn_begin and '33' as turn_end"),
         ("gold_turns.csv", "-62", "much", "found 'much' as turn_deg_cw, expected a number; corr"),

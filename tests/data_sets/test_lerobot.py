@@ -57,7 +57,7 @@ def test_what_does_not_fit_into_memory_is_read_at_a_stride(root, monkeypatch):
 
 def test_a_camera_or_an_episode_that_is_not_there_is_refused(root):
     data_set = read_data_set(root)
-    with pytest.raises(UsageError, match=f"has no camera wrist, expected one of {OTHER}, {CAMERA}"):
+    with pytest.raises(UsageError, match=f"has no camera wrist; choose one of {OTHER}, {CAMERA}"):
         data_set.require_camera("wrist")
     with pytest.raises(UsageError, match="has no episode 3, expected 0 to 2"):
         data_set.episode(3)

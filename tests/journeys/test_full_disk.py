@@ -7,8 +7,9 @@ import torch
 from geotlm_lm.checkpoint import save_bundle
 from geotlm_lm.core.errors import Unwritten
 from geotlm_lm.core.record import RunRecord
-from geotlm_lm.track.drawing import write_film, write_plot
+from geotlm_lm.track.drawing import write_film
 from geotlm_lm.track.export import Exported
+from geotlm_lm.track.plot import write_plot
 from geotlm_lm.track.rerun_log import log_clip, rerun_recording
 from geotlm_lm.training.fit import save_checkpoint
 from tests.cli.recorded_touch import CLIP

@@ -84,18 +84,21 @@ def test_every_promised_field_is_in_the_answer(address):
     from gradio_client import Client, handle_file
 
     from app import schema as results
+    from app.api import SHORT_ANSWER
 
     client = Client(address, verbose=False)
     clip = handle_file("app/examples/hex_nut_counterclockwise.npz")
     calls = {
         "/recordings": ((), results.Listing),
-        "/ask": ((clip, "Which way?"), results.AnswerResult),
         "/track": ((clip,), results.TrackResult),
         "/evidence": ((clip,), results.EvidenceFields),
         "/compare": ((clip, clip), results.ComparisonResult),
         "/simulate": (("key", 0.6, 15.0, 0.4, 0.0, 0.1, 4.0, 0), results.SimulatedAnswer),
         "/picture": ((clip,), results.PictureResult),
     }
+    assert set(client.predict(clip, "Which way?", api_name="/ask")) == set(SHORT_ANSWER)
+    whole = client.predict(clip, "Which way?", details=True, api_name="/ask")
+    assert set(whole) == set(results.AnswerResult.__annotations__)
     for name, (given, promised) in calls.items():
         assert set(client.predict(*given, api_name=name)) == set(promised.__annotations__)
 
@@ -116,7 +119,7 @@ def test_a_real_recording_is_listed_tracked_asked_about_and_drawn(answerer, tmp_
         "How far did it turn, there and back added up?",
         "Is anything touching the gel?",
     )
-    answers = [tools["ask"].call(name | {"question": one}) for one in asked]
+    answers = [tools["ask"].call(name | {"question": one, "details": True}) for one in asked]
     assert [one["abstained"] for one in answers] == [False] * 3
     assert answers[1]["amount"]["low"] < 50 < answers[1]["amount"]["high"]
     assert tools["picture"].call(name | {"shows": "timeline"})["height_px"] > 100

@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 
@@ -22,6 +23,7 @@ from tests.query.programs import (
     there_and_back,
 )
 from tests.query.strategies import turning
+from tests.track.tracks import happened, moving_track
 
 FRAME = FrameSpec()
 MOST_WORDS = 30
@@ -133,6 +135,54 @@ def test_a_story_is_rows_of_a_file():
 
 def test_a_story_ends_with_the_end_of_contact():
     assert told("story ; as list").splitlines()[-1] == "6. at 4.0 s release"
+
+
+def test_a_reason_lies_in_the_span_that_is_asked_about():
+    assert told("within until begin nth 2 turn-events ccw").startswith(
+        "No: it turns clockwise, about 40 degrees"
+    )
+    assert told("within since begin nth 3 turn-events ccw") == (
+        "No: it turns clockwise, about 40 degrees, in the camera image."
+    )
+
+
+def test_what_begins_and_ends_contact_is_pressing_and_lifting_where_that_is_asked():
+    twists = np.zeros((101, 4))
+    twists[1:11, 3], twists[71:76, 3] = 0.05, -0.1
+    events = (
+        happened("touch", 0, 0),
+        happened("press", 0, 10, inward=0.5),
+        happened("release", 70, 75, inward=-0.5),
+    )
+    contact = (np.arange(101) <= 75).astype(float)
+    clip = of_track(moving_track(twists, events, contact=contact, frame_size=(240, 320)))
+    assert told("out", clip) == "Yes, from 2.8 to 3.0 s."
+    assert told("in", clip) == "Yes, from 0.0 to 0.4 s."
+    assert told("not out", clip).startswith("No, that is not so")
+    assert told("move", clip).startswith("No")
+
+
+def test_a_slide_between_two_ways_is_told_by_both():
+    both = certain(right=20, down=19)
+    assert told("way slide", of_clip(both)) == (
+        "It slides right and down, about 35 px, in the camera image."
+    )
+    little = told("way slide", of_clip(certain(right=20, down=8)))
+    assert little.startswith("It slides right and a little down, ")
+
+
+def test_the_length_of_the_contact_leaves_out_what_lies_between_touches():
+    twists = np.zeros((101, 4))
+    events = (
+        happened("touch", 0, 0),
+        happened("release", 25, 25, inward=-0.3),
+        happened("touch", 75, 75),
+        happened("release", 100, 100, inward=-0.3),
+    )
+    frames = np.arange(101)
+    contact = ((frames <= 25) | (frames >= 75)).astype(float)
+    clip = of_track(moving_track(twists, events, contact=contact, frame_size=(240, 320)))
+    assert told("length contact", clip) == "2 s."
 
 
 def test_no_is_told_with_what_is_so_instead():

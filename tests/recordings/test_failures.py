@@ -344,8 +344,7 @@ def test_a_layout_of_another_number_of_axes_is_refused(tmp_path, layout, shape):
         (
             {"layout": "HWC"},
             UsageError,
-            "The layout 'HWC' is unknown, expected one of THWC, TCHW, THW, or BGR, or both as in "
-            "THWC-BGR; leave it out to have it guessed.",
+            "The layout 'HWC' is unknown; did you mean 'THWC'?",
         ),
         (
             {"fps": "25"},

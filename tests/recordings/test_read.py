@@ -94,8 +94,11 @@ def test_what_was_done_to_channels_and_bits_is_told(tmp_path):
     clip = read_clip(tmp_path / "clip.npz")
     assert np.array_equal(clip.frames, FRAMES)
     assert np.array_equal(clip.background, FRAMES[0])
-    assert clip.notes[1].startswith("Values (uint16) were taken for 0..65535, colours for RGB")
-    assert clip.notes[1].endswith(" The fourth channel was taken for alpha and left out.")
+    assert clip.notes == (
+        "Colours were taken for red, green, blue; pass --layout BGR if OpenCV gave them.",
+        "The fourth channel was taken for alpha and left out.",
+        "The array 'rgba' was taken for the frames.",
+    )
 
 
 @pytest.mark.parametrize("layout", ["BGR", "bgr", "THWC-BGR"])
@@ -110,7 +113,7 @@ def test_colours_in_opencvs_order_are_turned_round_those_of_the_background_too(t
     assert np.array_equal(archive.background, FRAMES[0])
     assert np.array_equal(array.frames, FRAMES)
     assert np.array_equal(array.background, FRAMES[1])
-    assert archive.notes[1] == "Values (uint8) were taken for 0..255, colours for BGR."
+    assert archive.notes == ()
     np.save(tmp_path / "grey.npy", FRAMES[..., 0])
     grey = read_clip(tmp_path / "grey.npy", layout="thw").frames
     assert np.array_equal(grey, np.repeat(FRAMES[..., :1], 3, axis=-1))
@@ -122,17 +125,25 @@ def test_colours_in_opencvs_order_are_turned_round_those_of_the_background_too(t
 def test_what_was_guessed_is_stated(tmp_path):
     np.save(tmp_path / "clip.npy", FRAMES / 255)
     assert read_clip(tmp_path / "clip.npy").notes == (
-        "Shape (5, 24, 32, 3) was taken for THWC; pass --layout if it is not.",
-        "Values (float64) were taken for 0..1, colours for RGB; pass --layout BGR if OpenCV gave "
-        "them.",
+        "Colours were taken for red, green, blue; pass --layout BGR if OpenCV gave them.",
     )
+
+
+@pytest.mark.parametrize(("stated", "notes"), [("THWC-RGB", 0), ("bgr", 0), ("left", 1)])
+def test_an_archive_may_state_its_layout(tmp_path, stated, notes):
+    frames = FRAMES[..., ::-1] if stated == "bgr" else FRAMES
+    np.savez(tmp_path / "clip.npz", frames=frames, background=frames[0], layout=stated)
+    clip = read_clip(tmp_path / "clip.npz")
+    assert np.array_equal(clip.frames, FRAMES)
+    assert np.array_equal(clip.background, FRAMES[0])
+    assert len(clip.notes) == notes
 
 
 def test_a_shape_that_fits_two_layouts_says_which_was_assumed():
     assert layout_of((4, 3, 16, 3), None, "clip.npy") == (
         "THWC",
-        "Shape (4, 3, 16, 3) fits THWC and TCHW, THWC was assumed; pass --layout TCHW if it is "
-        "not.",
+        "Shape (4, 3, 16, 3) was taken for frames, rows, columns, colours; pass --layout TCHW if "
+        "its colours come second.",
     )
 
 

@@ -111,5 +111,5 @@ def test_the_device_is_cuda_where_there_is_one_and_each_process_has_its_own(monk
         "2 GPUs were found by torch, expected at least 3; start fewer processes, or choose "
         "--device cpu."
     )
-    with pytest.raises(UsageError, match="There is no device 'tpu'; choose one of cpu, cuda."):
+    with pytest.raises(UsageError, match="There is no device 'tpu'; did you mean 'cpu'?"):
         device_named("tpu")
