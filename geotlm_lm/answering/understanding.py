@@ -69,6 +69,12 @@ def told_or_not(value: Value, clips: tuple[Encoded, ...], bundle: Bundle) -> Val
     if isinstance(value, Record):
         fields = ((key, told_or_not(each, clips, bundle)) for key, each in value.fields)
         return replace(value, fields=tuple(fields))
+    if isinstance(value, Unknown) and value.supposing is not None:
+        # What is withheld, or a guess, is not told of a supposed thread either.
+        supposing = told_or_not(value.supposing, clips, bundle)
+        if not supposing.is_known:
+            return supposing
+        return replace(value, supposing=None) if is_guess(supposing) else value
     for encoded in looked_at(value, clips):
         reason, detail = _why_withheld(value, encoded, bundle)
         if reason is not None:

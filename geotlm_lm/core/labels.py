@@ -29,17 +29,6 @@ class Motion(StrEnum):
     """Nothing touches the gel."""
 
 
-class MotionClass(StrEnum):
-    """The kind of a motion, whatever its direction."""
-
-    ROTATION = "rotation"
-    SLIDE = "slide"
-    PRESS = "press"
-    RELEASE = "release"
-    STILL = "still"
-    NONE = "none"
-
-
 ROTATIONS = (Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE)
 SLIDES = (Motion.LEFT, Motion.RIGHT, Motion.UP, Motion.DOWN)
 DIRECTED = ROTATIONS + SLIDES

@@ -82,6 +82,9 @@ class Table:
         self.way, self.doubt, self.turned_deg = np.zeros(4), np.zeros((4, 4)), (0.0, 0.0)
         """Sums of all twists and covariances so far; of turns there and back, and their doubt."""
 
+    def __len__(self) -> int:
+        return self._count
+
     def add(
         self, row: Row, twist: NDArray, covariance: NDArray, contact: float, turn_share: float
     ) -> int:
@@ -371,7 +374,7 @@ class Tracker:
             )
         if self._repeated:
             notes.append(f"{self._repeated} frames repeat the one before.")
-        frames = self._table._count
+        frames = len(self._table)
         if self._lost > LOST_SHARE * frames:
             notes.append(
                 f"In {self._lost} of {frames} frames the imprint was lost: how it moved there is "

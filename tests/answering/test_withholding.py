@@ -140,3 +140,17 @@ def test_a_belief_against_a_guessed_gel_with_dots_knows_no_press(bundle, count):
     encoded = Answerer(bundle).encode(dotted_recording(np.linspace(10, 40, count)))
     assert not encoded.belief.is_contact_known
     assert encoded.belief.moves(Component.PRESS) == 0
+
+
+def test_nothing_is_supposed_of_a_thread_where_the_turn_is_withheld_or_a_guess(bundle):
+    sure = feeling(bundle, "clockwise")
+    text = sure.ask(sure.encode(recording()), "tighten").text
+    assert text.startswith("If it is an ordinary right-hand thread seen from its head, yes")
+    faint = feeling(bundle, "clockwise", contact_threshold=1.0)
+    withheld = faint.ask(faint.encode(recording()), "tighten").text
+    assert withheld.startswith(replies()["missing"]["mask"])
+    doubted = believed("clockwise")
+    even = dict.fromkeys((Motion.CLOCKWISE, Motion.COUNTERCLOCKWISE), 0.45)
+    guessing = feeling(bundle, belief=replace(doubted, ways=doubted.ways | even))
+    guessed = guessing.ask(guessing.encode(recording()), "choose tighten | loosen").text
+    assert guessed == replies()["missing"]["thread"]
