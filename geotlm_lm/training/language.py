@@ -54,6 +54,7 @@ from geotlm_lm.training.language_rows import (
     Clips,
     Questions,
     hidden,
+    in_parts,
     positions,
     rounded,
     sight,
@@ -325,11 +326,12 @@ class _Stage:
             asked = max(int((wanted != UNASKED).sum()), 1) / ranks.count
             asked /= BESIDE if place else 1
             mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
-            if len(mine.ids):
-                is_spoken = self.name == "sentences"
+            is_spoken = self.name == "sentences"
+            for part, rows in in_parts(mine, ranks.kind):
+                shown = ranks.share(is_hidden)[rows, : part.ids.shape[1]]
+                seen = None if prefix is None else prefix[rows]
                 with ranks.bfloat16_products():
-                    shown = ranks.share(is_hidden), prefix, ranks.device
-                    loss = _loss(model, mine, *shown, is_spoken)
+                    loss = _loss(model, part, shown, seen, ranks.device, is_spoken)
                 (loss / asked).backward()
                 total += loss.item() / asked
         total = ranks.average(model.parameters(), total)

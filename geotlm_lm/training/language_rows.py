@@ -33,8 +33,11 @@ from geotlm_lm.training.truth import UNASKED
 if TYPE_CHECKING:
     from geotlm_lm.training.sentences import Sentences
 
-POOL = 8
+POOL = 16
 """Steps whose rows are drawn together, so that each step's are of about one length."""
+
+PART = 16
+"""Rows that a processor learns from at once."""
 
 LONGEST_PASSAGE = 64
 """Tokens of a passage of English that are read at once."""
@@ -113,6 +116,21 @@ def laid(rows: Sequence[Row], slot_ids: Sequence[int] = ()) -> Batch:
         torch.tensor([row.clip for row in rows]),
         torch.tensor([row.is_masked for row in rows]),
     )
+
+
+def in_parts(batch: Batch, kind: str) -> Iterator[tuple[Batch, Tensor]]:
+    """Yield a batch's rows in parts of about one length, each with the rows' numbers.
+
+    On a processor a part of `PART` rows stays in its cache: 1.6 to 2.6 times as fast as all rows at
+    once. On a GPU all are one part.
+    """
+    lengths = (batch.kind != PAD).sum(1)
+    size = PART if kind == "cpu" else max(len(lengths), 1)
+    for rows in lengths.argsort(stable=True).split(size):
+        if len(rows):
+            width = rounded(int(lengths[rows].max()), 8)
+            cut = (each[rows, :width] if each.ndim == 2 else each[rows] for each in batch)
+            yield Batch(*cut), rows
 
 
 def sight(kind: Tensor) -> Tensor:
@@ -227,7 +245,7 @@ class Questions(IterableDataset):
 def _by_length(rows: list[Row], rng: random.Random) -> list[list[Row]]:
     """Return a pool's rows as those of its steps, each of about one length."""
     rng.shuffle(rows)
-    rows.sort(key=lambda row: len(row.question) + len(row.sentence))
+    rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
     ends = [place * len(rows) // POOL for place in range(POOL + 1)]
     steps = [rows[start:end] for start, end in pairwise(ends)]
     rng.shuffle(steps)
