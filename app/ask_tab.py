@@ -15,7 +15,7 @@ from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio, 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-CONTEXT = ("shown", "source", "frame", "mm_per_px")
+CONTEXT = ("shown", "frame", "mm_per_px")
 """What questions are about."""
 
 ANSWERED = (
@@ -60,7 +60,7 @@ def build(answerer: Answerer, page: Any) -> None:
     page.warm = opens.warm
     conversation.connect(parts, talking, CONTEXT, ANSWERED)
     # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
-    given = [parts[name] for name in ("shown", "source", "mm_per_px")]
+    given = [parts[name] for name in ("shown", "mm_per_px")]
     resized = [parts[name] for name in ("stage", "stage_second", "chips", COMPLAINT)]
     for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
         trigger(filling(parts, talking.resize), given, resized, **QUIET, **MODEL)
@@ -96,7 +96,7 @@ PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Pyt
 
 
 def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) -> None:
-    before = [parts[name] for name in ("frame", "mm_per_px", "shown", "source", "is_comparing")]
+    before = [parts[name] for name in ("frame", "mm_per_px", "shown", "is_comparing")]
     outputs = [parts[name] for name in OPENED]
     asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
@@ -119,8 +119,8 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     compares = [parts[name] for name in ("stage_second", "is_comparing", COMPLAINT)]
     comparing = filling(parts, opens.compare)
     parts["stage"].expand(comparing, parts["shown"], compares, queue=False, **PRIVATE)
-    closing, pair = filling(parts, opens.close_second), [parts["shown"], parts["source"]]
-    parts["stage_second"].collapse(closing, pair, outputs, **at_stage)
+    closing = filling(parts, opens.close_second)
+    parts["stage_second"].collapse(closing, parts["shown"], outputs, **at_stage)
 
     def visit(request: Any) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
@@ -132,12 +132,12 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
 
 
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:
-    def save(shown: Any, source: Any, event: Any) -> Iterator[Filled]:
-        yield {"saving": opening.saved(str(event._data.get("kind")), shown, source)}
+    def save(shown: Any, event: Any) -> Iterator[Filled]:
+        yield {"saving": opening.saved(str(event._data.get("kind")), shown)}
 
     parts["saving"].click(
         filling(parts, save, gr.EventData),
-        [parts["shown"], parts["source"]],
+        [parts["shown"]],
         [parts["saving"], parts[COMPLAINT]],
         **PRIVATE,
     )

@@ -50,6 +50,17 @@ ADVICE = {
 """Advice for a person at the command line, and for one at the page."""
 
 
+@dataclass(frozen=True)
+class Source:
+    """Where a recording comes from, and which part of it is read."""
+
+    path: Any  # of several images of it, a list; None of what lies in no file
+    name: str
+    example: str | None = None  # its key, where it is one
+    span: tuple[int, int] | None = None  # first and last frame, where only a part was read
+    topic: str | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class LoadedClip:
     """A clip that was read and perceived, ready for questions and pictures.
@@ -60,7 +71,8 @@ class LoadedClip:
     encoded: Any
     seen: Seen
     session: Any
-    second: Second | None = None  # that it is compared with, in the same conversation
+    source: Source
+    second: LoadedClip | None = None  # that it is compared with, in the same conversation
 
     @cached_property
     def opinions(self) -> dict[str, Any]:
@@ -68,41 +80,13 @@ class LoadedClip:
         return second_opinions(self.session.answerer, self.encoded).to_dict()
 
 
-@dataclass(frozen=True, eq=False)
-class Second:
-    """The second recording of a comparison, and what it is called."""
-
-    shown: LoadedClip
-    name: str
-
-
-def compared(first: LoadedClip, second: Second | None) -> LoadedClip:
+def compared(first: LoadedClip, second: LoadedClip | None) -> LoadedClip:
     """Return a recording that is compared with a second one, or with none; both are asked about."""
     session = first.session
     del session.clips[1:]
     if second is not None:
-        session.add_clip(second.shown.encoded)
+        session.add_clip(second.encoded)
     return replace(first, second=second)
-
-
-def load_clip(
-    answerer: Answerer,
-    path: str | list[str] | None,
-    first: float | str | None = None,
-    last: float | str | None = None,
-    topic: str | None = None,
-) -> LoadedClip:
-    """Read the recording at `path`, and perceive or track it once.
-
-    Of its frames those from first to last are used, all where neither is given; of a bag the images
-    on one topic.
-
-    Raises:
-        GeoTLMError: If there is no recording, or it cannot be used, in one sentence.
-    """
-    if not path:
-        raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, read_named(path, topic), span=span_of(first, last))
 
 
 def perceive(
@@ -112,8 +96,9 @@ def perceive(
     span: tuple[int, int] | None = None,
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
+    source: Source | None = None,
 ) -> LoadedClip:
-    """Perceive a clip, or its frames from first to last of `span`, once.
+    """Perceive or track a clip, or its frames from first to last of `span`, once.
 
     A track that was made before is used again; the true indentation of a simulated clip is kept.
     """
@@ -124,7 +109,8 @@ def perceive(
     has_contact = not encoded.is_untouched and encoded.contact_share >= threshold
     frames, idle = encoded.clip.frames, encoded.clip.background
     seen = Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
-    return LoadedClip(encoded, seen, answerer.session(encoded))
+    source = source or Source(None, recording.name)
+    return LoadedClip(encoded, seen, answerer.session(encoded), source)
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:

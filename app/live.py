@@ -33,7 +33,6 @@ from geotlm_lm import (
 from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
 from .conversation import WATCHED, exchanges, fields_of, in_frame
-from .opening import Source
 from .pictures import jpeg_address
 from .stage import limits_of, outline, timeline_of
 from .talking import Talking, stopped
@@ -380,12 +379,11 @@ class LiveTalk:
         if (stream := live.stream) is None:
             raise GeoTLMError(WATCH_FIRST)
 
-        def redraw(shown: Any, _: Source) -> Filled:
+        def redraw(shown: Any) -> Filled:
             live.mm_per_px = shown.session.frame.mm_per_px
             return {"stage": stream.stage(mm_per_px=live.mm_per_px)}
 
         talking = Talking(self.answerer, redraw, beside=lambda *_: {})
-        source = Source(stream.name, stream.name)
-        for values in getattr(talking, method)(*asked, stream.shown(is_now=is_now), source, *rest):
+        for values in getattr(talking, method)(*asked, stream.shown(is_now=is_now), *rest):
             if live.stream is stream:
                 yield values

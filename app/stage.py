@@ -127,16 +127,16 @@ def stage_of(
     return values
 
 
-def stages_of(shown: LoadedClip, name: str) -> dict[str, Any]:
+def stages_of(shown: LoadedClip) -> dict[str, Any]:
     """Return what the stage shows of a recording, and a second one of what it is compared with.
 
     Both are then drawn on the same scale of time and of amounts.
     """
     frame = shown.session.frame
-    first = stage_of(shown, name, frame)
+    first = stage_of(shown, shown.source.name, frame)
     if shown.second is None:
         return {"stage": first}
-    second = stage_of(shown.second.shown, shown.second.name, frame)
+    second = stage_of(shown.second, shown.second.source.name, frame)
     first["about"] = f"first · {first['about']}"
     second["about"] = f"second, “it” in a question · {second['about']}"
     for values in (first, second):

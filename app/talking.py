@@ -12,7 +12,7 @@ from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from . import stage
 from .clips import LoadedClip, compared
 from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
-from .opening import Source, about_clip, nothing_asked, offered
+from .opening import about_clip, nothing_asked, offered
 from .toolkit import Filled
 from .turns import SessionInTurns
 
@@ -20,14 +20,9 @@ if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 
-def _whole(shown: LoadedClip, source: Source) -> Filled:
-    return stage.stages_of(shown, source.name)
-
-
-def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source: Source) -> Filled:
+def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip) -> Filled:
     """Return what an answer rests on, and the conversation as a program."""
-    code = code_of(source, [turn.question for turn in shown.session.history], shown)
-    beside = {"code": code, "saving": offered(shown, source.example)}
+    beside = {"code": code_of(shown), "saving": offered(shown)}
     if hasattr(answer, "relation"):  # of two recordings
         verdicts = [
             [name, _way(each.direction), each.text]
@@ -35,7 +30,7 @@ def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source
         ]
         return beside | {"evidence": about_clip(shown) | {"verdicts": verdicts}}
     if shown.second is not None:  # a question that is about one of two is about the second
-        shown = shown.second.shown
+        shown = shown.second
     details = answer.to_dict()
     timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
     # What is to be known of the answer; the clip's own notes stand beside the clip.
@@ -66,14 +61,13 @@ class Talking:
 
     answerer: Answerer
     # What the stage shows once the size of a pixel is another, what else an answer fills.
-    redraw: Callable[[LoadedClip, Source], Filled] = _whole
+    redraw: Callable[[LoadedClip], Filled] = stage.stages_of
     beside: Callable[..., Filled] = evidence_and_code
 
     def ask(
         self,
         question: str,
         shown: LoadedClip | None,
-        source: Source | None,
         facts: list[str],
         mm_per_px: float | None,
     ) -> Iterator[Filled]:
@@ -101,8 +95,8 @@ class Talking:
             "mm_per_px": frame.mm_per_px or 0,
             "framed": in_frame(stated, direction),
             "chips": suggested(shown),
-            **(self.redraw(shown, source) if redrawn else {}),
-            **self.beside(self.answerer, answer, shown, source),
+            **(self.redraw(shown) if redrawn else {}),
+            **self.beside(self.answerer, answer, shown),
         }
 
     def again(self, shown: LoadedClip | None, *others: Any) -> Iterator[Filled]:
@@ -114,23 +108,19 @@ class Talking:
         for values in self.ask(question, shown, *others):
             yield {name: value for name, value in values.items() if name != "question"}
 
-    def resize(
-        self, shown: LoadedClip | None, source: Source | None, mm_per_px: float | None
-    ) -> Iterator[Filled]:
+    def resize(self, shown: LoadedClip | None, mm_per_px: float | None) -> Iterator[Filled]:
         """Tell lengths by another size of a pixel, in the picture as well; 0, None: in pixels."""
         size = mm_per_px or None
         if shown is None or size == shown.session.frame.mm_per_px:
             return
         shown.session.frame = replace(shown.session.frame, mm_per_px=size)
-        yield self.redraw(shown, source) | {"chips": suggested(shown)}
+        yield self.redraw(shown) | {"chips": suggested(shown)}
 
     def shown_again(self, shown: LoadedClip | None, *_: Any) -> Iterator[Filled]:
         """Show the conversation without the question that was being answered."""
         yield {"chat": exchanges(stopped(shown and shown.session))}
 
-    def forget(
-        self, shown: LoadedClip | None, source: Source | None, facts: list[str], *_: Any
-    ) -> Iterator[Filled]:
+    def forget(self, shown: LoadedClip | None, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation about the clip anew; the frame that the page shows still holds."""
         anew = None
         if shown is not None:
@@ -140,7 +130,7 @@ class Talking:
             "shown": anew,
             "framed": in_frame(facts, None),
             "chips": suggested(anew),
-            "saving": offered(anew, source.example if source else None),
+            "saving": offered(anew),
         }
 
 
@@ -198,18 +188,19 @@ def along(turn_deg: float, right_px: float, down_px: float) -> str:
     return ", ".join(f"{abs(far):.1f} {unit} {ways[int(far < 0)]}" for far, unit, ways in moving)
 
 
-def code_of(source: Source, questions: list[str], shown: LoadedClip) -> str:
+def code_of(shown: LoadedClip) -> str:
     """Return the program that asks the questions of a conversation about its recording.
 
     The files of an upload are named as their owner knows them, several images by their folder.
     """
+    source, questions = shown.source, [turn.question for turn in shown.session.history]
     name = Path(source.path).name if isinstance(source.path, str) else source.name
     path = name if source.example is None else f"app/{Path(source.path).parent.name}/{name}"
     frame, usual = shown.session.frame, FrameSpec()
     stated = {field.name: getattr(frame, field.name) for field in fields(frame)}
     stated = {field: value for field, value in stated.items() if value != getattr(usual, field)}
     span = "" if source.span is None else f", span={source.span}"
-    second = [] if shown.second is None else [shown.second.shown.encoded.clip.name]
+    second = [] if shown.second is None else [shown.second.encoded.clip.name]
     return "\n".join(
         [
             "from geotlm_lm import Answerer, FrameSpec, read_clip",
