@@ -15,9 +15,6 @@ from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio, 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-CONTEXT = ("shown", "frame", "mm_per_px")
-"""What questions are about."""
-
 ANSWERED = (
     *("chat", "evidence", "code", "last", "question", "frame", "mm_per_px", "framed", "chips"),
     *("saving", "stage", "stage_second", COMPLAINT),
@@ -58,12 +55,7 @@ def build(answerer: Answerer, page: Any) -> None:
     opens = Opening(answerer, talking)
     _connect_opening(gr, parts, opens, page)
     page.warm = opens.warm
-    conversation.connect(parts, talking, CONTEXT, ANSWERED)
-    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
-    given = [parts[name] for name in ("shown", "mm_per_px")]
-    resized = [parts[name] for name in ("stage", "stage_second", "chips", COMPLAINT)]
-    for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
-        trigger(filling(parts, talking.resize), given, resized, **QUIET, **MODEL)
+    conversation.connect(parts, talking, "shown", ANSWERED)
     _connect_saving(gr, parts)
 
 

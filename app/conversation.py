@@ -9,10 +9,22 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, Motion
 
 from .guards import QUESTION_CHARACTERS
-from .toolkit import COMPLAINT, PRIVATE, Filled, complaint, filling, gradio, html, model_at
+from .toolkit import (
+    COMPLAINT,
+    MODEL,
+    PRIVATE,
+    QUIET,
+    Filled,
+    complaint,
+    filling,
+    gradio,
+    html,
+    model_at,
+)
 
 if TYPE_CHECKING:
     from .clips import LoadedClip
+    from .talking import Talking
 
 EMPTY = "Ask how the touched object moves, in plain English, or click a question below."
 
@@ -204,16 +216,10 @@ def frame_of_reference() -> dict[str, Any]:
     return parts
 
 
-def connect(
-    parts: dict[str, Any], talking: Any, context: Sequence[str], answered: Sequence[str]
-) -> None:
-    """Connect the conversation, which is about the parts of `context`, and the facts beside it.
-
-    `talking.ask` takes question and context, `again` and `forget` the context alone; each yields
-    what the parts show.
-    """
+def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Sequence[str]) -> None:
+    """Connect the conversation about what a part holds, and the facts beside it."""
     gr = gradio()
-    asked = [parts[name] for name in ("question", *context)]
+    asked = [parts[name] for name in ("question", about, "frame", "mm_per_px")]
     outputs = [parts[name] for name in answered]
     options = model_at(parts["chips"])
     asking, again = filling(parts, talking.ask), filling(parts, talking.again)
@@ -240,6 +246,11 @@ def connect(
     parts["chat"].clear(filling(parts, talking.forget), asked[1:], forgotten, **ending)
     ended = [parts["chat"], parts[COMPLAINT]]
     parts["chat"].stop(filling(parts, talking.shown_again), asked[1:], ended, **ending)
+
+    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
+    resized, size = filling(parts, talking.resize), parts["mm_per_px"]
+    for trigger in (size.submit, size.blur):
+        trigger(resized, [parts[about], size], outputs, **QUIET, **MODEL)
 
     def check(facts: list[str], direction: str | None, event: Any) -> tuple:
         held = update_facts(facts, event.value, event.selected)
