@@ -223,6 +223,7 @@ NOT_OURS = (
     "the address that was printed when it was started."
 )
 NO_ADDRESSES = "Files are not fetched from an address; upload the file itself."
+NO_LENGTH = "A message has to declare its length; send it whole, with the header Content-Length."
 TOO_LONG = f"A message may be {MESSAGE_BYTES // MIB} MiB long; upload the recording instead."
 
 FETCHED = ("/file=http:", "/file=https:", "/proxy=")
@@ -243,7 +244,7 @@ ERROR_BYTES = 4096
 
 
 class Guard:
-    """Answers 403, 413 or 429 itself, before anything is read, and passes the rest on (ASGI).
+    """Answers 403, 411, 413 or 429 itself, before anything is read, and passes the rest on (ASGI).
 
     A site whose name is made to mean this machine (DNS rebinding) would be taken by the browser for
     the page itself: a request must name one of `OWN_NAMES` as its host, and as its origin that host
@@ -271,48 +272,21 @@ class Guard:
             await self._limit(scope, receive, send)
 
     async def _limit(self, scope: Message, receive: Receive, send: Send) -> None:
+        if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
+            await _refuse(send, 411, NO_LENGTH)
+            return
         lengths = [value for name, value in scope["headers"] if name == b"content-length"]
         if any(not value.isdigit() or int(value) > self._most for value in lengths):
             await _refuse(send, 413, TOO_LONG)
             return
         length = max(map(int, lengths), default=0)
+        is_call = any(part in scope["path"] for part in CALLS)
         try:
             with MEMORY.held(COPIES * length if length > SHORT_BYTES else 0) as share:
                 MESSAGE.set(share)
-                await self._pass_on(scope, receive, send, share, length)
+                await self._app(scope, receive, _with_busy_status(send) if is_call else send)
         except Busy:
             await _refuse(send, BUSY_STATUS, TAKEN, (b"retry-after", str(AGAIN_S).encode()))
-
-    async def _pass_on(
-        self, scope: Message, receive: Receive, send: Send, share: Share, counted: int
-    ) -> None:
-        """Pass a request on; one that declared no length takes its share as it comes."""
-        length, is_busy, has_begun = 0, False, False
-
-        async def receive_counted() -> Message:
-            nonlocal length, counted, is_busy
-            message = await receive()
-            length += len(message.get("body", b""))
-            more = max(length, SHORT_BYTES) - max(counted, SHORT_BYTES)
-            if more > 0 and not is_busy:
-                try:
-                    share.resize(share.size_bytes + COPIES * more)
-                    counted = length
-                except Busy:
-                    is_busy = True
-            return {"type": "http.disconnect"} if is_busy or length > self._most else message
-
-        async def send_unless_busy(message: Message) -> None:
-            nonlocal has_begun
-            if not is_busy:
-                has_begun = True
-                await send(message)
-
-        is_call = any(part in scope["path"] for part in CALLS)
-        answer = _with_busy_status(send_unless_busy) if is_call else send_unless_busy
-        await self._app(scope, receive_counted, answer)
-        if is_busy and not has_begun:
-            raise Busy
 
 
 def _is_own(headers: list[tuple[bytes, bytes]]) -> bool:
