@@ -9,7 +9,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from threading import Lock
@@ -181,13 +181,22 @@ def _is_image(path: str) -> bool:
     return Path(path).suffix.lower() in IMAGE_SUFFIXES
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Opened:
-    """A recording that tools were asked about: all its frames, perceived, and when that was."""
+    """A recording that tools were asked about: all its frames, perceived, and when that was last.
 
-    recording: Any
-    shown: LoadedClip
-    last_s: float
+    Who opens it holds its lock; before that there is none of it.
+    """
+
+    recording: Any = None
+    shown: LoadedClip | None = None
+    last_s: float = field(default_factory=time.monotonic)
+    lock: Lock = field(default_factory=Lock)
+
+    @property
+    def size_bytes(self) -> int:
+        """How much memory its frames take."""
+        return 0 if self.recording is None else self.recording.frames.nbytes
 
 
 class OpenedRecordings:
@@ -196,7 +205,6 @@ class OpenedRecordings:
     def __init__(self, answerer: Answerer, sources: Sources) -> None:
         self._answerer, self._sources = answerer, sources
         self._kept: OrderedDict[str, Opened] = OrderedDict()
-        self._opening: dict[str, Lock] = {}
         self._lock = Lock()
         guards.MEMORY.may_let_go(self)
 
@@ -213,49 +221,36 @@ class OpenedRecordings:
     def whole(self, given: str, topic: str | None = None) -> Opened:
         """Return all of a recording."""
         with self._sources.opened(given) as path:
-            key = _key(given, path, topic)
+            key, oldest_s = _key(given, path, topic), time.monotonic() - KEPT_OPEN_S
             with self._lock:
-                opening = self._opening.setdefault(key, Lock())
-            try:
-                with opening:
-                    opened = self._kept_before(key)
-                    if opened is None:
-                        opened = self._read(given, path, topic)
-                    self._keep(key, opened)
-                    return opened
-            finally:
-                with self._lock:
-                    if not opening.locked():
-                        self._opening.pop(key, None)
+                for old in [old for old, each in self._kept.items() if each.last_s < oldest_s]:
+                    del self._kept[old]
+                opened = self._kept.setdefault(key, Opened())
+            with opened.lock:
+                if opened.shown is None:
+                    opened.recording, opened.shown = self._read(given, path, topic)
+            self._keep(key, opened)
+            return opened
 
     def let_go(self) -> bool:
         """Close the recording that was asked about longest ago; return whether one was open."""
         with self._lock:
             return bool(self._kept) and bool(self._kept.popitem(last=False))
 
-    def _read(self, given: str, path: Path, topic: str | None) -> Opened:
+    def _read(self, given: str, path: Path, topic: str | None) -> tuple[Any, LoadedClip]:
         recording = read_named(str(path), topic)
         if not (given.startswith("data:") or Path(given).is_absolute() or "://" in given):
             recording = replace(recording, name=given)  # with its folders
         shown = perceive(self._answerer, recording)
         # Once tracked, its idle gel is known: a span need not look for it again.
-        if shown.encoded.recording is not None:
-            recording = shown.encoded.recording
-        return Opened(recording, shown, 0.0)
-
-    def _kept_before(self, key: str) -> Opened | None:
-        with self._lock:
-            oldest_s = time.monotonic() - KEPT_OPEN_S
-            for old in [old for old, opened in self._kept.items() if opened.last_s < oldest_s]:
-                del self._kept[old]
-            return self._kept.get(key)
+        return shown.encoded.recording or recording, shown
 
     def _keep(self, key: str, opened: Opened) -> None:
         with self._lock:
-            self._kept[key] = replace(opened, last_s=time.monotonic())
+            opened.last_s = time.monotonic()
+            self._kept[key] = opened
             self._kept.move_to_end(key)
-            sizes = {kept: open_.recording.frames.nbytes for kept, open_ in self._kept.items()}
-            while sum(sizes[kept] for kept in self._kept) > KEPT_OPEN_BYTES:
+            while sum(each.size_bytes for each in self._kept.values()) > KEPT_OPEN_BYTES:
                 self._kept.popitem(last=False)
 
 
