@@ -7,11 +7,10 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 from importlib.metadata import version
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import GeoTLMError, __version__
-from geotlm_lm.core.errors import MissingDependency, choice_of
+from geotlm_lm.core.errors import MissingDependency, choice_of, require_package
 
 from .guards import AT_ONCE, BUSY_STATUS, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE, Busy
 from .tools import Tool
@@ -38,11 +37,7 @@ def require_mcp() -> None:
     Raises:
         MissingDependency: If it is so.
     """
-    if find_spec("mcp") is None:
-        raise MissingDependency(
-            "--mcp needs the package mcp, which is not installed; "
-            "run `pip install 'geotlm-lm[mcp]'`."
-        )
+    require_package("mcp", "--mcp needs the package mcp", "mcp")
     installed = version("mcp")
     if not installed.startswith("1."):
         raise MissingDependency(

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm import GeoTLMError
-from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.errors import require_package
 
 from .guards import AT_ONCE
 from .turns import LISTENER
@@ -17,13 +17,10 @@ from .turns import LISTENER
 
 def gradio() -> Any:
     """Return the toolkit, imported only now: the package works without it."""
-    try:
-        import gradio as gr
-    except ImportError as error:
-        raise MissingDependency(
-            "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`."
-        ) from error
-    return gr
+    require_package("gradio", "The app needs gradio", "app")
+    import gradio
+
+    return gradio
 
 
 PRIVATE = {"api_visibility": "private"}
