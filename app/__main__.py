@@ -17,15 +17,12 @@ from geotlm_lm import GeoTLMError
 from .agents import require_mcp
 from .toolkit import gradio
 
-try:
-    import fcntl
-except ImportError:  # Windows: folders of servers that died stay
-    fcntl = None
-
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-PREFIX = "geotlm-lm-app-"
+PREFIX, LOCK = "geotlm-lm-app-", ".lock"
+"""Beginning of the names of servers' folders, and the file in each that its server locks."""
+
 VARIABLE = "GRADIO_TEMP_DIR"
 """Where the toolkit reads its folder from, as long as it serves."""
 
@@ -79,54 +76,35 @@ def _load() -> Answerer:
 def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
     """Give this process a folder for uploads and pictures, and remove it in the end.
 
-    Folders of servers that died are removed first. A folder is in use while it is locked, which
-    ends with the process that holds the lock, however it ends. They lie in the system's temporary
-    folder, or in `parent`.
+    Folders of servers that died are removed first. A folder is in use while the file in it is
+    locked, which ends with the process that holds the lock, however it ends. They lie in the
+    system's temporary folder, or in `parent`.
     """
+    from filelock import FileLock, Timeout
+
     parent = Path(tempfile.gettempdir()) if parent is None else parent
-    for abandoned in parent.glob(f"{PREFIX}*") if fcntl else ():
-        with suppress(OSError):  # in use, or another's
-            lock = _locked(abandoned, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            shutil.rmtree(abandoned, ignore_errors=True)
-            os.close(lock)
-    folder, lock = _new_folder(parent)
-    before = os.environ.get(VARIABLE)
-    os.environ[VARIABLE] = str(folder)
-    try:
-        yield folder
-    finally:
-        if before is None:
-            del os.environ[VARIABLE]
-        else:
-            os.environ[VARIABLE] = before
-        shutil.rmtree(folder, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
+    for lock in parent.glob(f"{PREFIX}*/{LOCK}"):
+        with suppress(OSError, Timeout):  # in use
+            if _is_ours(lock.parent):
+                with FileLock(lock, blocking=False):
+                    shutil.rmtree(lock.parent, ignore_errors=True)
+    folder, before = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent)), os.environ.get(VARIABLE)
+    with FileLock(folder / LOCK):
+        folder.chmod(0o700)  # if another server removed it before it was locked, it was made anew
+        os.environ[VARIABLE] = str(folder)
+        try:
+            yield folder
+        finally:
+            if before is None:
+                del os.environ[VARIABLE]
+            else:
+                os.environ[VARIABLE] = before
+            shutil.rmtree(folder, ignore_errors=True)
 
 
-def _new_folder(parent: Path) -> tuple[Path, int | None]:
-    while True:
-        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))  # for this user alone
-        if fcntl is None:
-            return folder, None
-        with suppress(FileNotFoundError):
-            lock = _locked(folder, fcntl.LOCK_EX)
-            if folder.exists():  # else another server removed it before it was locked
-                return folder, lock
-            os.close(lock)
-
-
-def _locked(folder: Path, how: int) -> int:
-    """Return the lock of a folder of this user's, held until it is closed."""
-    lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
-    try:
-        if os.fstat(lock).st_uid != os.getuid():
-            raise PermissionError(folder)
-        fcntl.flock(lock, how)
-    except OSError:
-        os.close(lock)
-        raise
-    return lock
+def _is_ours(folder: Path) -> bool:
+    """Tell whether a folder is this user's; where systems do not tell, temporary folders are."""
+    return not hasattr(os, "getuid") or folder.lstat().st_uid == os.getuid()
 
 
 if __name__ == "__main__":

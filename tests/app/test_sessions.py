@@ -10,7 +10,6 @@ from types import SimpleNamespace
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-pytest.importorskip("fcntl", reason="folders are locked where the system can")
 
 from gradio.state_holder import SessionState  # noqa: E402
 
