@@ -184,7 +184,10 @@ class Opening:
             yield values
         question = query.get("q", "" if query.get("example") else FIRST_QUESTION)
         if question:
-            yield from self._talking.ask(question[:QUESTION_CHARACTERS], values["shown"], [], None)
+            asked = question[:QUESTION_CHARACTERS], values["shown"], [], None
+            for values in self._talking.ask(*asked):
+                # What is being typed meanwhile stays.
+                yield {name: value for name, value in values.items() if value != ""}
 
     def warm(self) -> None:
         """Look at what is opened with the page, before anybody comes."""
