@@ -19,7 +19,6 @@ from .toolkit import (
     filling,
     gradio,
     html,
-    model_at,
 )
 
 if TYPE_CHECKING:
@@ -221,7 +220,7 @@ def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Seque
     gr = gradio()
     asked = [parts[name] for name in ("question", about, "frame", "mm_per_px")]
     outputs = [parts[name] for name in answered]
-    options = model_at(parts["chips"])
+    options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
     asking, again = filling(parts, talking.ask), filling(parts, talking.again)
     running = [
         trigger(asking, asked, outputs, **options)

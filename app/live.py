@@ -155,7 +155,7 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(end, 3) for end in window],
-            "timeline": timeline_of(drawing, "s", limits_of(track, units), since_s),
+            "timeline": timeline_of(drawing, "s", limits_of(track, mm_per_px), since_s),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "condition": self._condition_text(),

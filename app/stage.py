@@ -108,7 +108,7 @@ def stage_of(
     if depth:
         values["deepest_mm"] = round(deepest, 2)
     if encoded.track is not None:
-        drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, units)
+        drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, mm_per_px)
         values["timeline"] = timeline_of(drawing, values["unit"], limits)
         values["outlines"] = _outlines(_sent(clip), encoded.track)
         return values
@@ -289,14 +289,14 @@ def _told_motion(moved: Any, shown: LoadedClip) -> dict[str, Any] | None:
     return {"turn": float(mean.turn_deg) * ("turn" in kinds), "travel": _rounded(end - begin)}
 
 
-def limits_of(track: Any, units: Units) -> dict[str, float | None]:
-    """Return how far a turn and a slide have to go to be seen at all."""
-    totals = Exported(track, units.mm_per_px).totals() if len(track) else {}
-    return {name: totals.get(f"{name}_limit") for name in ("turn", "slide")}
+def limits_of(track: Any, mm_per_px: float | None) -> dict[str, float]:
+    """Return how far a component has to go to be seen at all, by its name."""
+    limits = Exported(track, mm_per_px).limits() if len(track) else {}
+    return {component.value: round(float(far), 3) for component, far in limits.items()}
 
 
 def timeline_of(
-    drawing: Drawing, unit: str, limits: dict[str, float | None], since_s: float = -np.inf
+    drawing: Drawing, unit: str, limits: dict[str, float], since_s: float = -np.inf
 ) -> dict[str, Any]:
     """Return a row for each kind of event, with its curves and the spans that hold nine tenths.
 

@@ -39,11 +39,6 @@ QUIET = {**PRIVATE, "show_progress": "hidden"}
 """Options of an event whose parts show by themselves that they are being filled."""
 
 
-def model_at(part: Any) -> dict[str, Any]:
-    """Return the options of an event that uses the model, and is seen to run at a part."""
-    return {**PRIVATE, "show_progress_on": [part], **MODEL}
-
-
 def report_progress(what: str, done: int, total: int) -> None:
     """Show how far a request is where its results will stand, or to the client that listens."""
     if (listener := LISTENER.get()) is not None:
