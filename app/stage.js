@@ -339,18 +339,16 @@ document.addEventListener("seek", (event) => {
 });
 
 const tip = part("tip"), time = part("time");
-let isDragging = false;
 const toPlace = (event) => timeline.valueAt(event.clientX - time.getBoundingClientRect().left);
 time.addEventListener("pointerdown", (event) => {
   if (!data) return;
-  isDragging = true;
   time.setPointerCapture(event.pointerId);
   seek(nearest(data.x, toPlace(event)));
 });
 time.addEventListener("pointermove", (event) => {
   if (!data) return;
   const value = toPlace(event);
-  if (isDragging) seek(nearest(data.x, value));
+  if (time.hasPointerCapture(event.pointerId)) seek(nearest(data.x, value));
   if (!data.timeline) return;
   tip.textContent = timeline.textAt(value);
   tip.hidden = false;
@@ -359,11 +357,8 @@ time.addEventListener("pointermove", (event) => {
   tip.style.left = `${left}px`;
   tip.style.top = `${time.getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
 });
-for (const ending of ["pointerup", "pointercancel", "pointerleave"]) {
-  time.addEventListener(ending, () => {
-    isDragging = false;
-    if (ending !== "pointerup") tip.hidden = true;
-  });
+for (const ending of ["pointercancel", "pointerleave"]) {
+  time.addEventListener(ending, () => { tip.hidden = true; });
 }
 // With a key held the wheel zooms; once a part is shown it moves that part along.
 time.addEventListener("wheel", (event) => {
