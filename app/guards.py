@@ -88,16 +88,9 @@ class Share:
         self._budget, self.size_bytes, self.is_kept = budget, size_bytes, False
 
     def resize(self, size_bytes: int) -> None:
-        """Take more, or give some back.
-
-        Raises:
-            Busy: If others take it.
-        """
-        if size_bytes > self.size_bytes:
-            self._budget.reserve(size_bytes - self.size_bytes)
+        """Give back what is beyond a size."""
         size_before, self.size_bytes = self.size_bytes, size_bytes
-        if size_bytes < size_before:
-            self._budget.give_back(size_before - size_bytes)
+        self._budget.give_back(size_before - size_bytes)
 
     def keep_with(self, owner: Any) -> None:
         """Give all of it back once the owner is no longer in memory."""
@@ -126,7 +119,12 @@ class Budget:
             Busy: If others take it, and no keeper has anything left to let go of.
         """
         size_bytes = min(size_bytes, self._most)
-        self.reserve(size_bytes)
+        while not self._is_reserved(size_bytes):
+            if not any(keeper.let_go() for keeper in list(self._keepers)):
+                gc.collect()  # what is only held by itself is no longer needed
+                if not self._is_reserved(size_bytes):
+                    raise Busy
+                break
         return Share(self, size_bytes)
 
     @contextmanager
@@ -149,15 +147,6 @@ class Budget:
             share.resize(min(share.size_bytes, clip.frames.nbytes))
             share.keep_with(_owner(clip.frames))
         return clip
-
-    def reserve(self, size_bytes: int) -> None:
-        """Count so many bytes as taken; `Busy` as of `take`."""
-        while not self._is_reserved(size_bytes):
-            if not any(keeper.let_go() for keeper in list(self._keepers)):
-                gc.collect()  # what is only held by itself is no longer needed
-                if self._is_reserved(size_bytes):
-                    return
-                raise Busy
 
     def _is_reserved(self, size_bytes: int) -> bool:
         with self._lock:
