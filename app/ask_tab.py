@@ -23,7 +23,7 @@ ANSWERED = (
 
 OPENED = (
     *(name for name in ANSWERED if name not in ("question", "frame")),
-    *("shown", "source", "first", "last_frame", "topic", "files", "is_comparing"),
+    *("shown", "source", "first", "last_frame", "topic", "files"),
 )
 """What is filled when a recording is opened or closed."""
 
@@ -31,7 +31,7 @@ OPENED = (
 def build(answerer: Answerer, page: Any) -> None:
     """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
     gr = gradio()
-    states = ("shown", "source", "last", "is_comparing")
+    states = ("shown", "source", "last")
     parts: dict[str, Any] = {name: gr.State() for name in states}
     with gr.Row(elem_classes=["ask"]):
         with gr.Column(elem_classes=["ask-talk"]):
@@ -88,7 +88,7 @@ PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Pyt
 
 
 def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) -> None:
-    before = [parts[name] for name in ("frame", "mm_per_px", "shown", "is_comparing")]
+    before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
     outputs = [parts[name] for name in OPENED]
     asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
@@ -108,7 +108,7 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     again = filling(parts, opens.read_again)
     running.append(parts["read"].click(again, [*spanned, *before], outputs, **at_stage))
 
-    compares = [parts[name] for name in ("stage_second", "is_comparing", COMPLAINT)]
+    compares = [parts[name] for name in ("stage_second", "shown", COMPLAINT)]
     comparing = filling(parts, opens.compare)
     parts["stage"].expand(comparing, parts["shown"], compares, queue=False, **PRIVATE)
     closing = filling(parts, opens.close_second)

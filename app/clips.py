@@ -73,6 +73,7 @@ class LoadedClip:
     session: Any
     source: Source
     second: LoadedClip | None = None  # that it is compared with, in the same conversation
+    is_paired: bool = False  # whether what is opened next is that second one
 
     @cached_property
     def opinions(self) -> dict[str, Any]:

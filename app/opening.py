@@ -124,8 +124,7 @@ class Opening:
     """Opens recordings, and yields what the parts of the tab show then.
 
     Its methods take what the page shows before: the facts that are checked, the size of a pixel (0
-    or None where it is not known), the clip that is open, and whether a second one is to be
-    compared with it.
+    or None where it is not known), and the clip that is open.
     """
 
     def __init__(self, answerer: Answerer, talking: Any = None) -> None:
@@ -141,32 +140,33 @@ class Opening:
             yield _closed(*before) | fields | {"files": None}
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        for values in self._open(source, *before):
+        for values in self._open(source, *before, is_second=_is_paired(*before)):
             yield values | fields
 
     def example(self, key: str, *before: Any) -> Iterator[Filled]:
         """Open an example, and take away what was uploaded; an unknown key changes nothing."""
         if (source := examples().get(key)) is not None:
-            fields = {} if _compares(*before) else EMPTY_FIELDS | {"files": None}
-            for values in self._open(source, *before):
+            is_second = _is_paired(*before)
+            fields = {} if is_second else EMPTY_FIELDS | {"files": None}
+            for values in self._open(source, *before, is_second=is_second):
                 yield values | fields
 
     def compare(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Let what is opened next be a second recording, compared with the one that is open."""
         if shown is None:
             raise GeoTLMError("No recording is open; open one first.")
-        yield {"is_comparing": True, "stage_second": CHOOSING}
+        yield {"shown": replace(shown, is_paired=True), "stage_second": CHOOSING}
 
     def stop(self, *before: Any) -> Iterator[Filled]:
         """Show nothing of a recording that is being opened, and is opened no more."""
-        yield {"stage_second": CHOOSING} if _compares(*before) else _closed(*before)
+        yield {"stage_second": CHOOSING} if _is_paired(*before) else _closed(*before)
 
     def close_second(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Go back to one recording; its conversation goes on."""
-        values = NO_SECOND
+        values: Filled = {"stage_second": {}}
         if shown is not None:
-            shown = compared(shown, None)
-            values = values | stage.stages_of(shown) | {"shown": shown}
+            shown = replace(compared(shown, None), is_paired=False)
+            values |= stage.stages_of(shown) | {"shown": shown}
         yield values | {"chips": suggested(shown)}
 
     def visit(self, query: Mapping[str, str]) -> Iterator[Filled]:
@@ -200,7 +200,6 @@ class Opening:
         """Read what is open anew, a span of it, or another topic."""
         if source is None:
             return
-        *before, _ = before  # it is read again, whatever is chosen to compare it with
         # The toolkit's field that was never filled holds None.
         source = replace(source, topic=(topic or "").strip() or None)
         try:
@@ -210,12 +209,11 @@ class Opening:
             raise
         yield from self._open(source, *before)
 
-    def _open(self, source: Source, *before: Any) -> Iterator[Filled]:
+    def _open(self, source: Source, *before: Any, is_second: bool = False) -> Iterator[Filled]:
         """Show a recording before the model has looked at it, how far that is, and the end of it.
 
         What was open before is closed first: it must not answer for this one.
         """
-        is_second = _compares(*before)
         closed = {"stage_second": CHOOSING} if is_second else _closed(*before) | {"source": source}
         name = "stage_second" if is_second else "stage"
         try:
@@ -247,16 +245,9 @@ class Opening:
 CHOOSING = {"chooses": True}
 """What the second stage shows until a recording is chosen for it."""
 
-NO_SECOND: Filled = {"is_comparing": False, "stage_second": {}}
 
-
-def _compares(
-    facts: list[str],
-    mm_per_px: float | None = None,
-    shown: LoadedClip | None = None,
-    is_comparing: bool = False,
-) -> bool:
-    return is_comparing and shown is not None
+def _is_paired(_: list[str], __: float | None = None, shown: LoadedClip | None = None) -> bool:
+    return shown is not None and shown.is_paired
 
 
 def about_clip(shown: LoadedClip | None) -> dict[str, Any]:
@@ -274,7 +265,6 @@ def _opened(
     facts: list[str],
     mm_per_px: float | None = None,
     before: LoadedClip | None = None,
-    *_: Any,
 ) -> Filled:
     size = shown.encoded.clip.frames.shape[1:3]
     if before is not None and before.encoded.clip.frames.shape[1:3] != size:
@@ -290,7 +280,7 @@ def _opened(
 
 
 def _paired(
-    second: LoadedClip, facts: list[str], mm_per_px: float | None, shown: LoadedClip, *_: Any
+    second: LoadedClip, facts: list[str], mm_per_px: float | None, shown: LoadedClip
 ) -> Filled:
     shown = compared(shown, second)
     return stage.stages_of(shown) | {
@@ -301,13 +291,12 @@ def _paired(
 
 
 def _closed(
-    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None, *_: Any
+    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None
 ) -> Filled:
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
     return {
         **nothing_asked(None),
-        **NO_SECOND,
-        **{"shown": None, "source": None, "stage": {}, "chips": []},
+        **{"shown": None, "source": None, "stage": {}, "stage_second": {}, "chips": []},
         "framed": in_frame(facts, None),
         "mm_per_px": (mm_per_px or 0) if before is None else 0,
         "saving": offered(None),

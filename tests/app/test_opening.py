@@ -135,10 +135,11 @@ def test_a_link_names_the_example_and_the_last_question(talked):
 
 def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked, recordings):  # noqa: F811
     talking = Talking(FakeAnswerer())
-    opening, before = Opening(talking.answerer, talking), ([], None, named(tracked, "cap"))
-    (choosing,) = opening.compare(tracked)
-    assert choosing == {"is_comparing": True, "stage_second": {"chooses": True}}
-    *_, opened = opening.upload([str(recordings["dark"])], *before, True)
+    opening = Opening(talking.answerer, talking)
+    (choosing,) = opening.compare(named(tracked, "cap"))
+    assert choosing["stage_second"] == {"chooses": True}
+    before = ([], None, choosing["shown"])
+    *_, opened = opening.upload([str(recordings["dark"])], *before)
     assert opened["stage"]["name"] == "cap"
     assert opened["stage_second"]["name"] == "dark.npy"
     assert opened["stage"]["scale"] == opened["stage_second"]["scale"]
@@ -158,7 +159,7 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
 
 def test_a_second_recording_that_fails_leaves_the_first_open(tracked, tmp_path):  # noqa: F811
     (tmp_path / "broken.npy").write_bytes(b"no recording")
-    before = ([], None, tracked, True)
+    before = ([], None, replace(tracked, is_paired=True))
     steps = Opening(FakeAnswerer()).upload([str(tmp_path / "broken.npy")], *before)
     assert next(steps)["stage_second"] == {"chooses": True}
     with pytest.raises(GeoTLMError):
