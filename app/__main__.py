@@ -10,15 +10,12 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import geotlm_lm
 from geotlm_lm import GeoTLMError
 
 from .agents import require_mcp
 from .toolkit import gradio
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 PREFIX, LOCK = "geotlm-lm-app-", ".lock"
 """Beginning of the names of servers' folders, and the file in each that its server locks."""
@@ -42,34 +39,24 @@ def serve(port: int | None = None, *, mcp: bool = False, recordings: Path | None
         gradio()  # refused before the model is loaded
         if mcp:
             require_mcp()
-        _serve(port, mcp, recordings)
+        from .turns import LazyAnswerer
+        from .ui import build, launch
 
-
-def _serve(port: int | None, mcp: bool, recordings: Path | None) -> None:
-    from .turns import LazyAnswerer
-    from .ui import build, launch
-
-    model = LazyAnswerer(_load)
-    page = build(model, recordings)
-    try:
-        address = launch(page, port=port, mcp=mcp)
-    except OSError as error:
-        raise GeoTLMError(
-            f"Port {port} is taken or not allowed; give another by --port, or none."
-        ) from error
-    print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
-    try:
-        model.load()
-        page.warm()
-        page.block_thread()
-    finally:
-        page.close()
-
-
-def _load() -> Answerer:
-    from geotlm_lm import Answerer
-
-    return Answerer.load()
+        model = LazyAnswerer(lambda: geotlm_lm.Answerer.load())
+        page = build(model, recordings)
+        try:
+            address = launch(page, port=port, mcp=mcp)
+        except OSError as error:
+            raise GeoTLMError(
+                f"Port {port} is taken or not allowed; give another by --port, or none."
+            ) from error
+        print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
+        try:
+            model.load()
+            page.warm()
+            page.block_thread()
+        finally:
+            page.close()
 
 
 @contextmanager
