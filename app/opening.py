@@ -210,7 +210,7 @@ class Opening:
         yield from self._open(source, *before)
 
     def _open(self, source: Source, *before: Any, is_second: bool = False) -> Iterator[Filled]:
-        """Show a recording before the model has looked at it, how far that is, and the end of it.
+        """Show a recording before the model has looked at it, the progress, and the result.
 
         What was open before is closed first: it must not answer for this one.
         """
