@@ -220,11 +220,8 @@ def _sheet(shown: LoadedClip, view: str, whole: Any, track: Any) -> bytes:
             image = draw_motion(image, shown.seen, *way[:3])
         time_s = f"{whole.second_of(number, DEFAULT_FPS):.2f} s, " if whole.is_timed else ""
         drawn.append(draw_caption(image, f"{time_s}frame {number}"))
-    pairs = [np.concatenate(drawn[place : place + 2], axis=1) for place in (0, 2)]
-    is_made, png = cv2.imencode(".png", cv2.cvtColor(np.concatenate(pairs), cv2.COLOR_RGB2BGR))
-    if not is_made:
-        raise ValueError("the picture could not be made a PNG")
-    return png.tobytes()
+    sheet = cv2.vconcat([cv2.hconcat(drawn[:2]), cv2.hconcat(drawn[2:])])
+    return cv2.imencode(".png", cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))[1].tobytes()
 
 
 def _place_of(track: Any, number: int) -> int:
