@@ -58,9 +58,6 @@ LANES = {
 
 OF_MOTION = "Which way is it moving?"
 
-KINDS = {"clockwise": "turn", "counterclockwise": "turn", "press": "press", "release": "press"}
-"""Component of a way; of the others it is the slide."""
-
 FINE, LEAST_SHARE = 8, 0.004
 """Outlines are drawn on a mask that is so many times finer, around what fills so much of it."""
 
@@ -221,36 +218,28 @@ def _outlines(clip: Clip, track: Any) -> list[list]:
     ]
 
 
-def motion_of(shown: LoadedClip, frame: FrameSpec) -> Any:
-    """Return what a clip does as its words tell it: the value of a question, asked aside."""
-    session = shown.session
-    return session.answerer.session(shown.encoded, frame=frame).ask(OF_MOTION).values[0]
+def motion_of(shown: LoadedClip, frame: FrameSpec) -> tuple[Any, ...]:
+    """Return how a clip moves as its words tell it, the largest motion first: asked aside."""
+    session = shown.session.answerer.session(shown.encoded, frame=frame)
+    return getattr(session.ask(OF_MOTION).values[0], "movements", ())
 
 
 def way_of(shown: LoadedClip, frame: FrameSpec) -> Any:
     """Return the way of the largest motion that the stage shows; None where there is none."""
-    return next((movement.way for movement in _movements(motion_of(shown, frame))), None)
+    return next((movement.way for movement in motion_of(shown, frame)), None)
 
 
-def step_of(moved: Any, shown: LoadedClip) -> dict[str, Any]:
+def step_of(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any]:
     """Return each component of a short clip's motion, from end to end, and its detection limit."""
     from geotlm_lm import LEAST_SURE  # with the model's libraries
 
     belief = shown.encoded.belief
     if not shown.seen.has_contact or belief.contact < LEAST_SURE:
         return {"rows": [], "text": "No contact is seen: no motion is claimed."}
-    movements = {_kind_of(movement): movement for movement in _movements(moved)}
-    first = next(iter(movements), None)  # the largest
-    rows = {part.value: _row(belief, part, movements.get(part.value)) for part in COMPONENTS}
-    return {"rows": list(rows.values()), "text": rows[first]["text"] if first else "does not move"}
-
-
-def _movements(moved: Any) -> tuple[Any, ...]:
-    return getattr(moved, "movements", ())
-
-
-def _kind_of(movement: Any) -> str:
-    return KINDS.get(movement.way.value, "slide")
+    movements = {movement.component: movement for movement in moved}
+    rows = {part: _row(belief, part, movements.get(part)) for part in COMPONENTS}
+    text = rows[moved[0].component]["text"] if moved else "does not move"
+    return {"rows": list(rows.values()), "text": text}
 
 
 def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
@@ -277,9 +266,9 @@ def _limit(belief: Any, component: Any) -> str:
     return f" beyond {belief.at_limit.amount(component):.2g}{unit}"
 
 
-def _told_motion(moved: Any, shown: LoadedClip) -> dict[str, Any] | None:
+def _told_motion(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any] | None:
     """Return the turn (degrees) and the travel (shares of the picture) that are told, if any."""
-    kinds = {_kind_of(movement) for movement in _movements(moved)}
+    kinds = {movement.component.value for movement in moved}
     if not kinds & {"turn", "slide"}:
         return None
     mean = shown.encoded.belief.mean
