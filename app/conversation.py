@@ -251,12 +251,12 @@ def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Seque
     for trigger in (size.submit, size.blur):
         trigger(resized, [parts[about], size], outputs, **QUIET, **MODEL)
 
-    def check(facts: list[str], direction: str | None, event: Any) -> tuple:
+    def check(facts: list[str], direction: str | None, event: Any) -> Iterator[Filled]:
         held = update_facts(facts, event.value, event.selected)
+        values: Filled = {"framed": in_frame(held, direction)}
         # Boxes that stand as they should are left alone: others may be checked meanwhile.
-        return gr.skip() if set(held) == set(facts) else held, in_frame(held, direction)
+        yield values if set(held) == set(facts) else values | {"frame": held}
 
-    # Postponed annotations are text, and the toolkit looks for the event's type itself.
-    check.__annotations__["event"] = gr.SelectData
-    checked = [parts["frame"], parts["framed"]]
-    parts["frame"].select(check, [parts["frame"], parts["last"]], checked, **PRIVATE)
+    checked = [parts[name] for name in ("frame", "framed", COMPLAINT)]
+    checking = filling(parts, check, gr.SelectData)
+    parts["frame"].select(checking, [parts["frame"], parts["last"]], checked, **PRIVATE)

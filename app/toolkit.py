@@ -1,7 +1,5 @@
 """What the tabs share of the toolkit: parts filled by name, errors beside the field, plain text."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping
 from html import escape
@@ -116,10 +114,8 @@ def filling(
     if takes is None:
         return fill
 
-    # First: after the others, which are as many as the page gives, it would not be found.
-    def fill_with(about: Any, *given: Any) -> Iterator[dict[Any, Any]]:
+    # The toolkit finds it by its class, and only where it stands first.
+    def fill_with(about: takes, *given: Any) -> Iterator[dict[Any, Any]]:
         yield from fill(*given, about)
 
-    # Postponed annotations are text, and the toolkit looks for the class itself.
-    fill_with.__annotations__["about"] = takes
     return fill_with
