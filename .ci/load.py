@@ -83,8 +83,7 @@ def opened(answerer: Answerer, folder: Path) -> None:
         if not filled["stage"]["timeline"]:
             raise RuntimeError("no timeline was shown")
         talking, started = Talking(answerer), time.perf_counter()
-        context = (filled["shown"], filled["source"], [], 0)
-        next(talking.ask("How far in total?", [], *context))
+        list(talking.ask("How far in total?", filled["shown"], [], 0))
         told.append(time.perf_counter() - started)
     tell(f"a .mov of {OPENED_S} s from its upload to its timeline", shown)
     tell("from a question of it to its answer", told)

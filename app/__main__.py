@@ -10,22 +10,16 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+import geotlm_lm
 from geotlm_lm import GeoTLMError
 
 from .agents import require_mcp
 from .toolkit import gradio
 
-try:
-    import fcntl
-except ImportError:  # Windows: folders of servers that died stay
-    fcntl = None
+PREFIX, LOCK = "geotlm-lm-app-", ".lock"
+"""Beginning of the names of servers' folders, and the file in each that its server locks."""
 
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
-
-PREFIX = "geotlm-lm-app-"
 VARIABLE = "GRADIO_TEMP_DIR"
 """Where the toolkit reads its folder from, as long as it serves."""
 
@@ -45,88 +39,59 @@ def serve(port: int | None = None, *, mcp: bool = False, recordings: Path | None
         gradio()  # refused before the model is loaded
         if mcp:
             require_mcp()
-        _serve(port, mcp, recordings)
+        from .turns import LazyAnswerer
+        from .ui import build, launch
 
-
-def _serve(port: int | None, mcp: bool, recordings: Path | None) -> None:
-    from .turns import LazyAnswerer
-    from .ui import build, launch
-
-    model = LazyAnswerer(_load)
-    page = build(model, recordings)
-    try:
-        address = launch(page, port=port, mcp=mcp)
-    except OSError as error:
-        raise GeoTLMError(
-            f"Port {port} is taken or not allowed; give another by --port, or none."
-        ) from error
-    print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
-    try:
-        model.load()
-        page.warm()
-        page.block_thread()
-    finally:
-        page.close()
-
-
-def _load() -> Answerer:
-    from geotlm_lm import Answerer
-
-    return Answerer.load()
+        model = LazyAnswerer(lambda: geotlm_lm.Answerer.load())
+        page = build(model, recordings)
+        try:
+            address = launch(page, port=port, mcp=mcp)
+        except OSError as error:
+            raise GeoTLMError(
+                f"Port {port} is taken or not allowed; give another by --port, or none."
+            ) from error
+        print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)
+        try:
+            model.load()
+            page.warm()
+            page.block_thread()
+        finally:
+            page.close()
 
 
 @contextmanager
 def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
     """Give this process a folder for uploads and pictures, and remove it in the end.
 
-    Folders of servers that died are removed first. A folder is in use while it is locked, which
-    ends with the process that holds the lock, however it ends. They lie in the system's temporary
-    folder, or in `parent`.
+    Folders of servers that died are removed first. A folder is in use while the file in it is
+    locked, which ends with the process that holds the lock, however it ends. They lie in the
+    system's temporary folder, or in `parent`.
     """
+    from filelock import FileLock, Timeout
+
     parent = Path(tempfile.gettempdir()) if parent is None else parent
-    for abandoned in parent.glob(f"{PREFIX}*") if fcntl else ():
-        with suppress(OSError):  # in use, or another's
-            lock = _locked(abandoned, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            shutil.rmtree(abandoned, ignore_errors=True)
-            os.close(lock)
-    folder, lock = _new_folder(parent)
-    before = os.environ.get(VARIABLE)
-    os.environ[VARIABLE] = str(folder)
-    try:
-        yield folder
-    finally:
-        if before is None:
-            del os.environ[VARIABLE]
-        else:
-            os.environ[VARIABLE] = before
-        shutil.rmtree(folder, ignore_errors=True)
-        if lock is not None:
-            os.close(lock)
+    for lock in parent.glob(f"{PREFIX}*/{LOCK}"):
+        with suppress(OSError, Timeout):  # in use
+            if _is_ours(lock.parent):
+                with FileLock(lock, blocking=False):
+                    shutil.rmtree(lock.parent, ignore_errors=True)
+    folder, before = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent)), os.environ.get(VARIABLE)
+    with FileLock(folder / LOCK):
+        folder.chmod(0o700)  # if another server removed it before it was locked, it was made anew
+        os.environ[VARIABLE] = str(folder)
+        try:
+            yield folder
+        finally:
+            if before is None:
+                del os.environ[VARIABLE]
+            else:
+                os.environ[VARIABLE] = before
+            shutil.rmtree(folder, ignore_errors=True)
 
 
-def _new_folder(parent: Path) -> tuple[Path, int | None]:
-    while True:
-        folder = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))  # for this user alone
-        if fcntl is None:
-            return folder, None
-        with suppress(FileNotFoundError):
-            lock = _locked(folder, fcntl.LOCK_EX)
-            if folder.exists():  # else another server removed it before it was locked
-                return folder, lock
-            os.close(lock)
-
-
-def _locked(folder: Path, how: int) -> int:
-    """Return the lock of a folder of this user's, held until it is closed."""
-    lock = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW)
-    try:
-        if os.fstat(lock).st_uid != os.getuid():
-            raise PermissionError(folder)
-        fcntl.flock(lock, how)
-    except OSError:
-        os.close(lock)
-        raise
-    return lock
+def _is_ours(folder: Path) -> bool:
+    """Tell whether a folder is this user's; where systems do not tell, temporary folders are."""
+    return not hasattr(os, "getuid") or folder.lstat().st_uid == os.getuid()
 
 
 if __name__ == "__main__":

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import json
-from collections.abc import AsyncIterator, Awaitable, Callable
+import time
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from functools import partial
 from importlib.metadata import version
-from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import GeoTLMError, __version__
-from geotlm_lm.core.errors import MissingDependency, choice_of
+from geotlm_lm.core.errors import MissingDependency, choice_of, require_package
 
 from .guards import AT_ONCE, BUSY_STATUS, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE, Busy
 from .tools import Tool
-from .turns import LISTENER, REPORTED_EVERY_S
+from .turns import REPORTED_EVERY_S, reported
 
 if TYPE_CHECKING:
     from mcp.server.lowlevel import Server
@@ -38,11 +38,7 @@ def require_mcp() -> None:
     Raises:
         MissingDependency: If it is so.
     """
-    if find_spec("mcp") is None:
-        raise MissingDependency(
-            "--mcp needs the package mcp, which is not installed; "
-            "run `pip install 'geotlm-lm[mcp]'`."
-        )
+    require_package("mcp", "--mcp needs the package mcp", "mcp")
     installed = version("mcp")
     if not installed.startswith("1."):
         raise MissingDependency(
@@ -104,8 +100,10 @@ def server_of(tools: list[Tool]) -> Server:
         try:
             if name not in known:
                 raise GeoTLMError(f"There is no tool {name[:80]!r}; {choice_of(name, known)}")
-            run = partial(to_thread.run_sync, known[name].call, arguments, limiter=limiter)
-            result = await _with_progress(run, server.request_context)
+            call = partial(known[name].call, arguments)
+            result = await to_thread.run_sync(
+                _with_progress, call, server.request_context, limiter=limiter
+            )
         except GeoTLMError as error:
             sentence = [types.TextContent(type="text", text=str(error))]
             about = {"_meta": {"status": BUSY_STATUS}} if isinstance(error, Busy) else {}
@@ -115,55 +113,30 @@ def server_of(tools: list[Tool]) -> Server:
     return server
 
 
-async def _with_progress(run: Callable[[], Awaitable[Any]], context: RequestContext) -> Any:
-    """Return the result of a request, and send its progress to a client that asked for it."""
-    from anyio import create_task_group
+def _with_progress(call: Callable[[], Any], context: RequestContext) -> Any:
+    """Return the result of a call, and send its progress to a client that asked for it.
+
+    The call goes on in another thread, which never waits for the client.
+    """
+    from anyio import BrokenResourceError, ClosedResourceError, from_thread
 
     token = None if context.meta is None else context.meta.progressToken
     if token is None or len(str(token)) > NAME_CHARACTERS:
-        return await run()
-    progress, failed, result = _Progress(), None, None
-    LISTENER.set(progress.report)
-    async with create_task_group() as group:
-        group.start_soon(progress.send, context, token)
+        return call()
+    notify, request = context.session.send_progress_notification, str(context.request_id)
+    steps, sent, sent_s = reported(call, lambda *report: report), 0, float("-inf")
+    while True:
         try:
-            result = await run()
-        except GeoTLMError as error:  # a group would wrap it
-            failed = error
-        group.cancel_scope.cancel()
-    if failed is not None:
-        raise failed
-    return result
-
-
-class _Progress:
-    """How far a request is: reported by the thread that works, which never waits for the client."""
-
-    def __init__(self) -> None:
-        self._latest: tuple[str, int, int] | None = None
-        self._is_left = False
-
-    def report(self, what: str, done: int, total: int) -> None:
-        if self._is_left:
-            raise GeoTLMError("The client that asked has left.")
-        self._latest = (what, done, total)
-
-    async def send(self, context: RequestContext, token: str | int) -> None:
-        """Send the latest report a few times a second, until cancelled."""
-        from anyio import BrokenResourceError, ClosedResourceError, sleep
-
-        notify, request, sent = context.session.send_progress_notification, context.request_id, 0
-        while True:
-            await sleep(REPORTED_EVERY_S)
+            what, done, total = next(steps)
             # By the protocol it only grows: a second recording is silent as far as the first came.
-            if self._latest is None or self._latest[1] <= sent:
-                continue
-            what, sent, total = self._latest
-            try:
-                await notify(token, sent, total, what, str(request))
-            except (BrokenResourceError, ClosedResourceError):
-                self._is_left = True
-                return
+            if done > sent and time.monotonic() - sent_s >= REPORTED_EVERY_S:
+                sent, sent_s = done, time.monotonic()
+                from_thread.run(notify, token, done, total, what, request)
+        except StopIteration as ended:
+            return ended.value
+        except (BrokenResourceError, ClosedResourceError):
+            steps.close()
+            raise GeoTLMError("The client that asked has left.") from None
 
 
 def _content(result: dict[str, Any]) -> list[Any]:

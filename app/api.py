@@ -24,7 +24,6 @@ from . import schema as p
 from .clips import LoadedClip, OpenedRecordings
 from .guards import EVENTS
 from .simulate_tab import simulate as simulate_and_ask
-from .simulate_tab import touch_of
 from .sources import Sources
 from .turns import LISTENER
 
@@ -61,13 +60,7 @@ class Api:
         recording: p.Recording,
         question: p.Question,
         frames: p.Frames = None,
-        mirrored: p.Mirrored = False,
-        turned: p.Turned = 0,
-        viewpoint: p.Viewpoint = "sensor",
-        actor: p.Actor = "object",
-        thread: p.Thread = None,
-        contact_side: p.ContactSide = None,
-        mm_per_px: p.MmPerPx = None,
+        frame: p.Frame = p.AS_RECORDED,
         topic: p.Topic = None,
         details: p.Details = False,
     ) -> p.AnswerResult:
@@ -77,20 +70,15 @@ class Api:
         direction as the frame of reference tells it, and how the question was read; with `details`
         also what it rests on.
         """
-        frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
         shown = self._opened.open(recording, frames, topic)
-        answer = self._answerer.ask(shown.encoded, question, frame=frame).to_dict()
+        answer = self._answerer.ask(shown.encoded, question, frame=frame.spec).to_dict()
         return answer if details else {name: answer[name] for name in SHORT_ANSWER}
 
     def track(
         self,
         recording: p.Recording,
         frames: p.Frames = None,
-        mirrored: p.Mirrored = False,
-        turned: p.Turned = 0,
-        viewpoint: p.Viewpoint = "sensor",
-        actor: p.Actor = "object",
-        mm_per_px: p.MmPerPx = None,
+        frame: p.Frame = p.AS_RECORDED,
         rows: p.Rows = 0,
         topic: p.Topic = None,
     ) -> p.TrackResult:
@@ -99,9 +87,8 @@ class Api:
         Returns also what it comes to, net and there and back, when something touches, and notes;
         numbers of single frames only where `rows` asks for them.
         """
-        frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
         whole, track = self._tracked(recording, frames, topic)
-        return summary_of(track, whole, frame, rows)
+        return summary_of(track, whole, frame.spec, rows)
 
     def wait_until(
         self,
@@ -110,13 +97,7 @@ class Api:
         sure: p.Sure = 0.95,
         lasting_s: p.LastingS = 0.0,
         most_s: p.MostS = 60.0,
-        mirrored: p.Mirrored = False,
-        turned: p.Turned = 0,
-        viewpoint: p.Viewpoint = "sensor",
-        actor: p.Actor = "object",
-        thread: p.Thread = None,
-        contact_side: p.ContactSide = None,
-        mm_per_px: p.MmPerPx = None,
+        frame: p.Frame = p.AS_RECORDED,
         topic: p.Topic = None,
     ) -> p.Waited:
         """Tell from when on a condition holds in a recording, looking at no later frame.
@@ -126,8 +107,7 @@ class Api:
         """
         from geotlm_lm import Monitor  # with the model's libraries
 
-        frame = p.frame_of(mirrored, turned, viewpoint, actor, thread, contact_side, mm_per_px)
-        understood = self._answerer.condition(condition, frame=frame)
+        understood = self._answerer.condition(condition, frame=frame.spec)
         clip, report = self._opened.whole(recording, topic).recording, LISTENER.get()
         options = {"sure": sure, "lasting_s": lasting_s, "fps": clip.fps}
         monitor = Monitor(self._answerer.tracker(clip), understood, **options)
@@ -151,11 +131,7 @@ class Api:
         question: p.Question = SAME_WAY,
         first_frames: p.Frames = None,
         second_frames: p.Frames = None,
-        mirrored: p.Mirrored = False,
-        turned: p.Turned = 0,
-        viewpoint: p.Viewpoint = "sensor",
-        actor: p.Actor = "object",
-        mm_per_px: p.MmPerPx = None,
+        frame: p.Frame = p.AS_RECORDED,
         first_topic: p.Topic = None,
         second_topic: p.Topic = None,
     ) -> p.ComparisonResult:
@@ -163,39 +139,22 @@ class Api:
 
         Returns the relation (same, opposite, different or unknown), in words too, and both answers.
         """
-        frame = p.frame_of(mirrored, turned, viewpoint, actor, mm_per_px=mm_per_px)
         shown = [
             self._opened.open(first, first_frames, first_topic),
             self._opened.open(second, second_frames, second_topic),
         ]
         clips = [clip.encoded for clip in shown]
-        return self._answerer.compare(*clips, question, frame=frame).to_dict()
+        return self._answerer.compare(*clips, question, frame=frame.spec).to_dict()
 
-    def simulate(
-        self,
-        object_name: p.ObjectName = "key",
-        depth_mm: p.DepthMm = 0.6,
-        twist_deg: p.TwistDeg = 0.0,
-        slide_x_mm: p.SlideXMm = 0.0,
-        slide_y_mm: p.SlideYMm = 0.0,
-        press_mm: p.PressMm = 0.0,
-        thickness_mm: p.ThicknessMm = 4.0,
-        seed: p.Seed = 0,
-    ) -> p.SimulatedAnswer:
+    def simulate(self, touch: p.SimulatedTouch = p.KEY_AT_REST) -> p.SimulatedAnswer:
         """Simulate a touch of a GelSight-like sensor and answer about it; motions may be mixed.
 
         Returns which way it goes and how far, in words; the true motion, which components count,
         the true amounts, the ones that were read, and their error.
         """
-        numbers = {
-            "depth_mm": depth_mm,
-            "twist_deg": twist_deg,
-            "slide_x_mm": slide_x_mm,
-            "slide_y_mm": slide_y_mm,
-            "press_mm": press_mm,
-            "thickness_mm": thickness_mm,
-        }
-        return simulate_and_ask(self._answerer, touch_of(object_name, numbers, seed)).facts
+        from geotlm_lm import Touch  # with the model's libraries
+
+        return simulate_and_ask(self._answerer, Touch(**touch.model_dump())).facts
 
     def evidence(
         self, recording: p.Recording, frames: p.Frames = None, topic: p.Topic = None
@@ -261,11 +220,8 @@ def _sheet(shown: LoadedClip, view: str, whole: Any, track: Any) -> bytes:
             image = draw_motion(image, shown.seen, *way[:3])
         time_s = f"{whole.second_of(number, DEFAULT_FPS):.2f} s, " if whole.is_timed else ""
         drawn.append(draw_caption(image, f"{time_s}frame {number}"))
-    pairs = [np.concatenate(drawn[place : place + 2], axis=1) for place in (0, 2)]
-    is_made, png = cv2.imencode(".png", cv2.cvtColor(np.concatenate(pairs), cv2.COLOR_RGB2BGR))
-    if not is_made:
-        raise ValueError("the picture could not be made a PNG")
-    return png.tobytes()
+    sheet = cv2.vconcat([cv2.hconcat(drawn[:2]), cv2.hconcat(drawn[2:])])
+    return cv2.imencode(".png", cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))[1].tobytes()
 
 
 def _place_of(track: Any, number: int) -> int:

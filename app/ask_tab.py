@@ -15,9 +15,6 @@ from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio, 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
-CONTEXT = ("shown", "source", "frame", "mm_per_px")
-"""What questions are about."""
-
 ANSWERED = (
     *("chat", "evidence", "code", "last", "question", "frame", "mm_per_px", "framed", "chips"),
     *("saving", "stage", "stage_second", COMPLAINT),
@@ -26,7 +23,7 @@ ANSWERED = (
 
 OPENED = (
     *(name for name in ANSWERED if name not in ("question", "frame")),
-    *("shown", "source", "first", "last_frame", "topic", "files", "is_comparing"),
+    *("shown", "source", "first", "last_frame", "topic", "files"),
 )
 """What is filled when a recording is opened or closed."""
 
@@ -34,7 +31,7 @@ OPENED = (
 def build(answerer: Answerer, page: Any) -> None:
     """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
     gr = gradio()
-    states = ("shown", "source", "last", "is_comparing")
+    states = ("shown", "source", "last")
     parts: dict[str, Any] = {name: gr.State() for name in states}
     with gr.Row(elem_classes=["ask"]):
         with gr.Column(elem_classes=["ask-talk"]):
@@ -58,12 +55,7 @@ def build(answerer: Answerer, page: Any) -> None:
     opens = Opening(answerer, talking)
     _connect_opening(gr, parts, opens, page)
     page.warm = opens.warm
-    conversation.connect(parts, talking, CONTEXT, ANSWERED)
-    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
-    given = [parts[name] for name in ("shown", "source", "mm_per_px")]
-    resized = [parts[name] for name in ("stage", "stage_second", "chips", COMPLAINT)]
-    for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
-        trigger(filling(parts, talking.resize), given, resized, **QUIET, **MODEL)
+    conversation.connect(parts, talking, "shown", ANSWERED)
     _connect_saving(gr, parts)
 
 
@@ -96,7 +88,7 @@ PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Pyt
 
 
 def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) -> None:
-    before = [parts[name] for name in ("frame", "mm_per_px", "shown", "source", "is_comparing")]
+    before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
     outputs = [parts[name] for name in OPENED]
     asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
@@ -116,11 +108,11 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     again = filling(parts, opens.read_again)
     running.append(parts["read"].click(again, [*spanned, *before], outputs, **at_stage))
 
-    compares = [parts[name] for name in ("stage_second", "is_comparing", COMPLAINT)]
+    compares = [parts[name] for name in ("stage_second", "shown", COMPLAINT)]
     comparing = filling(parts, opens.compare)
     parts["stage"].expand(comparing, parts["shown"], compares, queue=False, **PRIVATE)
-    closing, pair = filling(parts, opens.close_second), [parts["shown"], parts["source"]]
-    parts["stage_second"].collapse(closing, pair, outputs, **at_stage)
+    closing = filling(parts, opens.close_second)
+    parts["stage_second"].collapse(closing, parts["shown"], outputs, **at_stage)
 
     def visit(request: Any) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
@@ -132,12 +124,12 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
 
 
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:
-    def save(shown: Any, source: Any, event: Any) -> Iterator[Filled]:
-        yield {"saving": opening.saved(str(event._data.get("kind")), shown, source)}
+    def save(shown: Any, event: Any) -> Iterator[Filled]:
+        yield {"saving": opening.saved(str(event._data.get("kind")), shown)}
 
     parts["saving"].click(
         filling(parts, save, gr.EventData),
-        [parts["shown"], parts["source"]],
+        [parts["shown"]],
         [parts["saving"], parts[COMPLAINT]],
         **PRIVATE,
     )

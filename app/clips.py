@@ -9,7 +9,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from threading import Lock
@@ -50,6 +50,17 @@ ADVICE = {
 """Advice for a person at the command line, and for one at the page."""
 
 
+@dataclass(frozen=True)
+class Source:
+    """Where a recording comes from, and which part of it is read."""
+
+    path: Any  # of several images of it, a list; None of what lies in no file
+    name: str
+    example: str | None = None  # its key, where it is one
+    span: tuple[int, int] | None = None  # first and last frame, where only a part was read
+    topic: str | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class LoadedClip:
     """A clip that was read and perceived, ready for questions and pictures.
@@ -60,7 +71,9 @@ class LoadedClip:
     encoded: Any
     seen: Seen
     session: Any
-    second: Second | None = None  # that it is compared with, in the same conversation
+    source: Source
+    second: LoadedClip | None = None  # that it is compared with, in the same conversation
+    is_paired: bool = False  # whether what is opened next is that second one
 
     @cached_property
     def opinions(self) -> dict[str, Any]:
@@ -68,41 +81,13 @@ class LoadedClip:
         return second_opinions(self.session.answerer, self.encoded).to_dict()
 
 
-@dataclass(frozen=True, eq=False)
-class Second:
-    """The second recording of a comparison, and what it is called."""
-
-    shown: LoadedClip
-    name: str
-
-
-def compared(first: LoadedClip, second: Second | None) -> LoadedClip:
+def compared(first: LoadedClip, second: LoadedClip | None) -> LoadedClip:
     """Return a recording that is compared with a second one, or with none; both are asked about."""
     session = first.session
     del session.clips[1:]
     if second is not None:
-        session.add_clip(second.shown.encoded)
+        session.add_clip(second.encoded)
     return replace(first, second=second)
-
-
-def load_clip(
-    answerer: Answerer,
-    path: str | list[str] | None,
-    first: float | str | None = None,
-    last: float | str | None = None,
-    topic: str | None = None,
-) -> LoadedClip:
-    """Read the recording at `path`, and perceive or track it once.
-
-    Of its frames those from first to last are used, all where neither is given; of a bag the images
-    on one topic.
-
-    Raises:
-        GeoTLMError: If there is no recording, or it cannot be used, in one sentence.
-    """
-    if not path:
-        raise GeoTLMError("No recording was given; upload a clip first.")
-    return perceive(answerer, read_named(path, topic), span=span_of(first, last))
 
 
 def perceive(
@@ -112,8 +97,9 @@ def perceive(
     span: tuple[int, int] | None = None,
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
+    source: Source | None = None,
 ) -> LoadedClip:
-    """Perceive a clip, or its frames from first to last of `span`, once.
+    """Perceive or track a clip, or its frames from first to last of `span`, once.
 
     A track that was made before is used again; the true indentation of a simulated clip is kept.
     """
@@ -124,7 +110,8 @@ def perceive(
     has_contact = not encoded.is_untouched and encoded.contact_share >= threshold
     frames, idle = encoded.clip.frames, encoded.clip.background
     seen = Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
-    return LoadedClip(encoded, seen, answerer.session(encoded))
+    source = source or Source(None, recording.name)
+    return LoadedClip(encoded, seen, answerer.session(encoded), source)
 
 
 def latest_upload(paths: list[str] | None) -> list[str]:
@@ -195,13 +182,22 @@ def _is_image(path: str) -> bool:
     return Path(path).suffix.lower() in IMAGE_SUFFIXES
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(eq=False)
 class Opened:
-    """A recording that tools were asked about: all its frames, perceived, and when that was."""
+    """A recording that tools were asked about: all its frames, perceived, and when that was last.
 
-    recording: Any
-    shown: LoadedClip
-    last_s: float
+    Who opens it holds its lock; before that there is none of it.
+    """
+
+    recording: Any = None
+    shown: LoadedClip | None = None
+    last_s: float = field(default_factory=time.monotonic)
+    lock: Lock = field(default_factory=Lock)
+
+    @property
+    def size_bytes(self) -> int:
+        """How much memory its frames take."""
+        return 0 if self.recording is None else self.recording.frames.nbytes
 
 
 class OpenedRecordings:
@@ -210,7 +206,6 @@ class OpenedRecordings:
     def __init__(self, answerer: Answerer, sources: Sources) -> None:
         self._answerer, self._sources = answerer, sources
         self._kept: OrderedDict[str, Opened] = OrderedDict()
-        self._opening: dict[str, Lock] = {}
         self._lock = Lock()
         guards.MEMORY.may_let_go(self)
 
@@ -227,49 +222,36 @@ class OpenedRecordings:
     def whole(self, given: str, topic: str | None = None) -> Opened:
         """Return all of a recording."""
         with self._sources.opened(given) as path:
-            key = _key(given, path, topic)
+            key, oldest_s = _key(given, path, topic), time.monotonic() - KEPT_OPEN_S
             with self._lock:
-                opening = self._opening.setdefault(key, Lock())
-            try:
-                with opening:
-                    opened = self._kept_before(key)
-                    if opened is None:
-                        opened = self._read(given, path, topic)
-                    self._keep(key, opened)
-                    return opened
-            finally:
-                with self._lock:
-                    if not opening.locked():
-                        self._opening.pop(key, None)
+                for old in [old for old, each in self._kept.items() if each.last_s < oldest_s]:
+                    del self._kept[old]
+                opened = self._kept.setdefault(key, Opened())
+            with opened.lock:
+                if opened.shown is None:
+                    opened.recording, opened.shown = self._read(given, path, topic)
+            self._keep(key, opened)
+            return opened
 
     def let_go(self) -> bool:
         """Close the recording that was asked about longest ago; return whether one was open."""
         with self._lock:
             return bool(self._kept) and bool(self._kept.popitem(last=False))
 
-    def _read(self, given: str, path: Path, topic: str | None) -> Opened:
+    def _read(self, given: str, path: Path, topic: str | None) -> tuple[Any, LoadedClip]:
         recording = read_named(str(path), topic)
         if not (given.startswith("data:") or Path(given).is_absolute() or "://" in given):
             recording = replace(recording, name=given)  # with its folders
         shown = perceive(self._answerer, recording)
         # Once tracked, its idle gel is known: a span need not look for it again.
-        if shown.encoded.recording is not None:
-            recording = shown.encoded.recording
-        return Opened(recording, shown, 0.0)
-
-    def _kept_before(self, key: str) -> Opened | None:
-        with self._lock:
-            oldest_s = time.monotonic() - KEPT_OPEN_S
-            for old in [old for old, opened in self._kept.items() if opened.last_s < oldest_s]:
-                del self._kept[old]
-            return self._kept.get(key)
+        return shown.encoded.recording or recording, shown
 
     def _keep(self, key: str, opened: Opened) -> None:
         with self._lock:
-            self._kept[key] = replace(opened, last_s=time.monotonic())
+            opened.last_s = time.monotonic()
+            self._kept[key] = opened
             self._kept.move_to_end(key)
-            sizes = {kept: open_.recording.frames.nbytes for kept, open_ in self._kept.items()}
-            while sum(sizes[kept] for kept in self._kept) > KEPT_OPEN_BYTES:
+            while sum(each.size_bytes for each in self._kept.values()) > KEPT_OPEN_BYTES:
                 self._kept.popitem(last=False)
 
 

@@ -9,10 +9,21 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, Motion
 
 from .guards import QUESTION_CHARACTERS
-from .toolkit import COMPLAINT, PRIVATE, Filled, complaint, filling, gradio, html, model_at
+from .toolkit import (
+    COMPLAINT,
+    MODEL,
+    PRIVATE,
+    QUIET,
+    Filled,
+    complaint,
+    filling,
+    gradio,
+    html,
+)
 
 if TYPE_CHECKING:
     from .clips import LoadedClip
+    from .talking import Talking
 
 EMPTY = "Ask how the touched object moves, in plain English, or click a question below."
 
@@ -204,18 +215,12 @@ def frame_of_reference() -> dict[str, Any]:
     return parts
 
 
-def connect(
-    parts: dict[str, Any], talking: Any, context: Sequence[str], answered: Sequence[str]
-) -> None:
-    """Connect the conversation, which is about the parts of `context`, and the facts beside it.
-
-    `talking.ask` takes question and context, `again` and `forget` the context alone; each yields
-    what the parts show.
-    """
+def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Sequence[str]) -> None:
+    """Connect the conversation about what a part holds, and the facts beside it."""
     gr = gradio()
-    asked = [parts[name] for name in ("question", *context)]
+    asked = [parts[name] for name in ("question", about, "frame", "mm_per_px")]
     outputs = [parts[name] for name in answered]
-    options = model_at(parts["chips"])
+    options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
     asking, again = filling(parts, talking.ask), filling(parts, talking.again)
     running = [
         trigger(asking, asked, outputs, **options)
@@ -241,12 +246,17 @@ def connect(
     ended = [parts["chat"], parts[COMPLAINT]]
     parts["chat"].stop(filling(parts, talking.shown_again), asked[1:], ended, **ending)
 
-    def check(facts: list[str], direction: str | None, event: Any) -> tuple:
-        held = update_facts(facts, event.value, event.selected)
-        # Boxes that stand as they should are left alone: others may be checked meanwhile.
-        return gr.skip() if set(held) == set(facts) else held, in_frame(held, direction)
+    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
+    resized, size = filling(parts, talking.resize), parts["mm_per_px"]
+    for trigger in (size.submit, size.blur):
+        trigger(resized, [parts[about], size], outputs, **QUIET, **MODEL)
 
-    # Postponed annotations are text, and the toolkit looks for the event's type itself.
-    check.__annotations__["event"] = gr.SelectData
-    checked = [parts["frame"], parts["framed"]]
-    parts["frame"].select(check, [parts["frame"], parts["last"]], checked, **PRIVATE)
+    def check(facts: list[str], direction: str | None, event: Any) -> Iterator[Filled]:
+        held = update_facts(facts, event.value, event.selected)
+        values: Filled = {"framed": in_frame(held, direction)}
+        # Boxes that stand as they should are left alone: others may be checked meanwhile.
+        yield values if set(held) == set(facts) else values | {"frame": held}
+
+    checked = [parts[name] for name in ("frame", "framed", COMPLAINT)]
+    checking = filling(parts, check, gr.SelectData)
+    parts["frame"].select(checking, [parts["frame"], parts["last"]], checked, **PRIVATE)

@@ -30,26 +30,22 @@ async function imagesOf(address) {
   });
 }
 
-function pixelsOf(image) {
+function canvasOf(image) {
   const canvas = document.createElement("canvas");
   canvas.width = image.naturalWidth;
   canvas.height = image.naturalHeight;
   const context = canvas.getContext("2d", { willReadFrequently: true });
   context.drawImage(image, 0, 0);
-  return context.getImageData(0, 0, canvas.width, canvas.height);
+  return { canvas, context, pixels: context.getImageData(0, 0, canvas.width, canvas.height) };
 }
 
 // A frame against the idle gel: neutral grey where nothing changed.
-function differenceOf(image, idlePixels) {
-  const pixels = pixelsOf(image);
-  const seen = pixels.data, idle = idlePixels.data;
-  for (let k = 0; k < seen.length; k += 4) {
-    for (let c = 0; c < 3; c++) seen[k + c] = 128 + DIFFERENCE_GAIN * (seen[k + c] - idle[k + c]);
+function differenceOf(image, idle) {
+  const { canvas, context, pixels } = canvasOf(image), seen = pixels.data;
+  for (let k = 0; k < seen.length; k++) {
+    if (k % 4 < 3) seen[k] = 128 + DIFFERENCE_GAIN * (seen[k] - idle[k]);
   }
-  const canvas = document.createElement("canvas");
-  canvas.width = pixels.width;
-  canvas.height = pixels.height;
-  canvas.getContext("2d").putImageData(pixels, 0, 0);
+  context.putImageData(pixels, 0, 0);
   return canvas;
 }
 

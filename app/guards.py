@@ -8,7 +8,7 @@ the length of a message. It is given back when what it was taken for is gone, fo
 from __future__ import annotations
 
 import gc
-import json
+import re
 import weakref
 from collections.abc import Awaitable, Callable, Iterator, MutableMapping
 from contextlib import contextmanager
@@ -88,16 +88,9 @@ class Share:
         self._budget, self.size_bytes, self.is_kept = budget, size_bytes, False
 
     def resize(self, size_bytes: int) -> None:
-        """Take more, or give some back.
-
-        Raises:
-            Busy: If others take it.
-        """
-        if size_bytes > self.size_bytes:
-            self._budget.reserve(size_bytes - self.size_bytes)
+        """Give back what is beyond a size."""
         size_before, self.size_bytes = self.size_bytes, size_bytes
-        if size_bytes < size_before:
-            self._budget.give_back(size_before - size_bytes)
+        self._budget.give_back(size_before - size_bytes)
 
     def keep_with(self, owner: Any) -> None:
         """Give all of it back once the owner is no longer in memory."""
@@ -126,7 +119,12 @@ class Budget:
             Busy: If others take it, and no keeper has anything left to let go of.
         """
         size_bytes = min(size_bytes, self._most)
-        self.reserve(size_bytes)
+        while not self._is_reserved(size_bytes):
+            if not any(keeper.let_go() for keeper in list(self._keepers)):
+                gc.collect()  # what is only held by itself is no longer needed
+                if not self._is_reserved(size_bytes):
+                    raise Busy
+                break
         return Share(self, size_bytes)
 
     @contextmanager
@@ -149,15 +147,6 @@ class Budget:
             share.resize(min(share.size_bytes, clip.frames.nbytes))
             share.keep_with(_owner(clip.frames))
         return clip
-
-    def reserve(self, size_bytes: int) -> None:
-        """Count so many bytes as taken; `Busy` as of `take`."""
-        while not self._is_reserved(size_bytes):
-            if not any(keeper.let_go() for keeper in list(self._keepers)):
-                gc.collect()  # what is only held by itself is no longer needed
-                if self._is_reserved(size_bytes):
-                    return
-                raise Busy
 
     def _is_reserved(self, size_bytes: int) -> bool:
         with self._lock:
@@ -223,6 +212,7 @@ NOT_OURS = (
     "the address that was printed when it was started."
 )
 NO_ADDRESSES = "Files are not fetched from an address; upload the file itself."
+NO_LENGTH = "A message has to declare its length; send it whole, with the header Content-Length."
 TOO_LONG = f"A message may be {MESSAGE_BYTES // MIB} MiB long; upload the recording instead."
 
 FETCHED = ("/file=http:", "/file=https:", "/proxy=")
@@ -238,12 +228,12 @@ COPIES, SHORT_BYTES = 4, MIB // 16
 """Times that a message is in memory on its way (bytes, text, parts, unpacked), and the length up to
 which it is not counted."""
 
-ERROR_BYTES = 4096
-"""Longest answer that may be an error."""
+BUSY = re.compile(rb'"title": ?"%b"' % BUSY_TITLE.encode())
+"""Part of the toolkit's answer to who is refused; in a text the quotes would be escaped."""
 
 
 class Guard:
-    """Answers 403, 413 or 429 itself, before anything is read, and passes the rest on (ASGI).
+    """Answers 403, 411, 413 or 429 itself, before anything is read, and passes the rest on (ASGI).
 
     A site whose name is made to mean this machine (DNS rebinding) would be taken by the browser for
     the page itself: a request must name one of `OWN_NAMES` as its host, and as its origin that host
@@ -271,48 +261,21 @@ class Guard:
             await self._limit(scope, receive, send)
 
     async def _limit(self, scope: Message, receive: Receive, send: Send) -> None:
+        if any(name == b"transfer-encoding" for name, _ in scope["headers"]):
+            await _refuse(send, 411, NO_LENGTH)
+            return
         lengths = [value for name, value in scope["headers"] if name == b"content-length"]
         if any(not value.isdigit() or int(value) > self._most for value in lengths):
             await _refuse(send, 413, TOO_LONG)
             return
         length = max(map(int, lengths), default=0)
+        is_call = any(part in scope["path"] for part in CALLS)
         try:
             with MEMORY.held(COPIES * length if length > SHORT_BYTES else 0) as share:
                 MESSAGE.set(share)
-                await self._pass_on(scope, receive, send, share, length)
+                await self._app(scope, receive, _with_busy_status(send) if is_call else send)
         except Busy:
             await _refuse(send, BUSY_STATUS, TAKEN, (b"retry-after", str(AGAIN_S).encode()))
-
-    async def _pass_on(
-        self, scope: Message, receive: Receive, send: Send, share: Share, counted: int
-    ) -> None:
-        """Pass a request on; one that declared no length takes its share as it comes."""
-        length, is_busy, has_begun = 0, False, False
-
-        async def receive_counted() -> Message:
-            nonlocal length, counted, is_busy
-            message = await receive()
-            length += len(message.get("body", b""))
-            more = max(length, SHORT_BYTES) - max(counted, SHORT_BYTES)
-            if more > 0 and not is_busy:
-                try:
-                    share.resize(share.size_bytes + COPIES * more)
-                    counted = length
-                except Busy:
-                    is_busy = True
-            return {"type": "http.disconnect"} if is_busy or length > self._most else message
-
-        async def send_unless_busy(message: Message) -> None:
-            nonlocal has_begun
-            if not is_busy:
-                has_begun = True
-                await send(message)
-
-        is_call = any(part in scope["path"] for part in CALLS)
-        answer = _with_busy_status(send_unless_busy) if is_call else send_unless_busy
-        await self._app(scope, receive_counted, answer)
-        if is_busy and not has_begun:
-            raise Busy
 
 
 def _is_own(headers: list[tuple[bytes, bytes]]) -> bool:
@@ -358,25 +321,13 @@ def _with_busy_status(send: Send) -> Send:
             return
         if begun is not None:
             start, begun = begun, None
-            if _says_busy(message.get("body", b"")):
+            if BUSY.search(message.get("body", b"")):
                 again = (b"retry-after", str(AGAIN_S).encode())
                 start = {**start, "status": BUSY_STATUS, "headers": [*start["headers"], again]}
             await send(start)
         await send(message)
 
     return send_held
-
-
-def _says_busy(body: bytes) -> bool:
-    if len(body) > ERROR_BYTES:
-        return False
-    text = body.decode(errors="replace")
-    events = (line[5:] for line in text.splitlines() if line.startswith("data:"))
-    try:
-        answer = json.loads(next(events, text))
-    except ValueError:
-        return False
-    return isinstance(answer, dict) and answer.get("title") == BUSY_TITLE
 
 
 def refuse_addresses(page: Any) -> None:

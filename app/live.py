@@ -33,10 +33,9 @@ from geotlm_lm import (
 from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
 from .conversation import WATCHED, exchanges, fields_of, in_frame
-from .opening import Source
 from .pictures import jpeg_address
 from .stage import limits_of, outline, timeline_of
-from .talking import Talking, stopped
+from .talking import Talking
 from .toolkit import COMPLAINT, Filled
 
 if TYPE_CHECKING:
@@ -98,7 +97,7 @@ class LiveStream:
         self._apart, self._stuck = 1, StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
         self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
-        self._talk: LoadedClip | None = None
+        self.session: Any = None  # the conversation; none before the first question
 
     def feed(self, frame: Image, time_s: float, number: int | None = None) -> list[Any]:
         """Take in the next frame, as `Tracker.feed`, and return the events that are over."""
@@ -156,7 +155,7 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(end, 3) for end in window],
-            "timeline": timeline_of(drawing, "s", limits_of(track, units), since_s),
+            "timeline": timeline_of(drawing, "s", limits_of(track, mm_per_px), since_s),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "condition": self._condition_text(),
@@ -186,9 +185,8 @@ class LiveStream:
             kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
             track = track.between(int(last[0]), int(last[-1]))
         seen = len(track), self.is_over, is_now  # its end cuts off the last events
-        before, talk = self._shown, self._talk
-        if before is not None and before[0] == seen:
-            return before[1]
+        if self._shown is not None and self._shown[0] == seen:
+            return self._shown[1]
         numbers, frames = zip(*kept, strict=True)
         span_s = float(track.times_s[-1] - track.times_s[0])
         rate_hz = (int(track.numbers[-1]) - int(track.numbers[0])) / span_s
@@ -196,23 +194,17 @@ class LiveStream:
         grown = perceive(self._answerer, clip, track=track)
         # Each question looks at other frames: of all of them the conversation keeps four.
         encoded = replace(grown.encoded, recording=None)
-        if talk is None:
-            session = self._answerer.session(encoded)
+        if self.session is None:
+            self.session = self._answerer.session(encoded)
         else:
-            session = talk.session
-            session.grow(encoded)
-        grown = replace(grown, encoded=encoded, session=session)
-        self._shown, self._talk = (seen, grown), grown
+            self.session.grow(encoded)
+        grown = replace(grown, encoded=encoded, session=self.session)
+        self._shown = seen, grown
         return grown
-
-    @property
-    def session(self) -> Any:
-        """The conversation; None before the first question."""
-        return None if self._talk is None else self._talk.session
 
     def forget_talk(self) -> None:
         """Begin the conversation anew with the next question."""
-        self._shown = self._talk = None
+        self._shown = self.session = None
 
     def _picture(self, frame: Image, idle: Image | None) -> dict[str, Any]:
         return {
@@ -333,30 +325,35 @@ def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) ->
     return values | {"stage": stream.stage(frame, live.mm_per_px)}
 
 
-@dataclass
-class LiveTalk:
+class LiveTalk(Talking):
     """Answers questions about what is watched, as far as it was seen when they are asked."""
 
-    answerer: Answerer
-
     def ask(
-        self, question: str, live: LiveSession, facts: list[str], *size: Any
+        self, question: str, live: LiveSession, facts: list[str], mm_per_px: float | None
     ) -> Iterator[Filled]:
         """As `Talking.ask`, unless something else is watched when the answer comes."""
-        is_now = bool(NOW.search(question))
-        return self._answers(live, "ask", (question,), (facts, *size), is_now)
+        if (stream := live.stream) is None:
+            raise GeoTLMError(WATCH_FIRST)
+        shown = stream.shown(is_now=bool(NOW.search(question)))
+        for values in super().ask(question, shown, facts, mm_per_px):
+            if live.stream is not stream:
+                continue
+            if "mm_per_px" in values:  # perhaps stated in the question
+                for redrawn in self.resize(live, values["mm_per_px"]):
+                    values |= redrawn
+            yield values
 
-    def again(self, live: LiveSession, facts: list[str], *size: Any) -> Iterator[Filled]:
-        """As `Talking.again`, likewise."""
-        if live.stream is None or live.stream.session is None:
-            return iter(())
-        question = live.stream.session.history[-1:]
-        is_now = bool(question and NOW.search(question[0].question))
-        return self._answers(live, "again", (), (facts, *size), is_now)
+    def session_of(self, live: LiveSession) -> Any:
+        """As `Talking.session_of`."""
+        return None if live.stream is None else live.stream.session
 
-    def shown_again(self, live: LiveSession, *_: Any) -> Iterator[Filled]:
-        """As `Talking.shown_again`."""
-        yield {"chat": exchanges(stopped(live.stream and live.stream.session))}
+    def redraw(self, _: LoadedClip) -> Filled:
+        """Nothing yet: the stage shows more than the question was about."""
+        return {}
+
+    def beside(self, *_: Any) -> Filled:
+        """Nothing: what an answer rests on is gone soon."""
+        return {}
 
     def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation anew; the frame that the page shows still holds."""
@@ -373,19 +370,3 @@ class LiveTalk:
         live.mm_per_px = size
         if live.stream is not None:
             yield {"stage": live.stream.stage(mm_per_px=size)}
-
-    def _answers(
-        self, live: LiveSession, method: str, asked: tuple, rest: tuple, is_now: bool
-    ) -> Iterator[Filled]:
-        if (stream := live.stream) is None:
-            raise GeoTLMError(WATCH_FIRST)
-
-        def redraw(shown: Any, _: Source) -> Filled:
-            live.mm_per_px = shown.session.frame.mm_per_px
-            return {"stage": stream.stage(mm_per_px=live.mm_per_px)}
-
-        talking = Talking(self.answerer, redraw, beside=lambda *_: {})
-        source = Source(stream.name, stream.name)
-        for values in getattr(talking, method)(*asked, stream.shown(is_now=is_now), source, *rest):
-            if live.stream is stream:
-                yield values

@@ -30,9 +30,6 @@ WATCHED = ("stage", "chips", COMPLAINT)
 EMPTIED = (*WATCHED, "chat", "last", "framed", "mm_per_px")
 """What is filled when something else is watched, or nothing."""
 
-CONTEXT = ("live", "frame", "mm_per_px")
-"""What questions are about."""
-
 ANSWERED = (*EMPTIED, "question", "frame")
 """What is filled when a question is answered."""
 
@@ -50,11 +47,7 @@ def build(answerer: Answerer) -> None:
     with conversation.drawer():
         parts |= conversation.frame_of_reference()
     _connect_sources(parts, answerer)
-    talk = LiveTalk(answerer)
-    conversation.connect(parts, talk, CONTEXT, ANSWERED)
-    resized = filling(parts, talk.resize)
-    for trigger in (parts["mm_per_px"].submit, parts["mm_per_px"].blur):
-        trigger(resized, *_ends(parts, ("live", "mm_per_px"), WATCHED), **QUIET, **CAMERA)
+    conversation.connect(parts, LiveTalk(answerer), "live", ANSWERED)
 
 
 def _sources(gr: Any) -> dict[str, Any]:
@@ -111,7 +104,7 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
 
     waits = filling(parts, partial(wait_for, answerer))
     for trigger in (parts["mark"].click, parts["condition"].submit):
-        ends = _ends(parts, ("condition", *CONTEXT), ("stage", COMPLAINT))
+        ends = _ends(parts, ("condition", "live", "frame", "mm_per_px"), ("stage", COMPLAINT))
         trigger(waits, *ends, **QUIET, **CAMERA)
 
     def clear(live: LiveSession) -> Iterator[Filled]:

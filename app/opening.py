@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from html import escape
 from pathlib import Path
@@ -31,10 +31,9 @@ from geotlm_lm import (
 from . import stage
 from .clips import (
     LoadedClip,
-    Second,
+    Source,
     compared,
     latest_upload,
-    load_clip,
     perceive,
     read_named,
     span_of,
@@ -60,17 +59,6 @@ EMPTY_FIELDS: Filled = {"first": "", "last_frame": "", "topic": ""}
 """Which part of a recording is read, before it was stated."""
 
 MIMES = {"csv": "text/csv", "json": "application/json", "png": "image/png", "txt": "text/plain"}
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where what is open comes from."""
-
-    path: Any  # of several images of it, a list
-    name: str
-    example: str | None = None  # its key, where it is one
-    span: tuple[int, int] | None = None  # first and last frame, where only a part was read
-    topic: str | None = None
 
 
 @cache
@@ -136,8 +124,7 @@ class Opening:
     """Opens recordings, and yields what the parts of the tab show then.
 
     Its methods take what the page shows before: the facts that are checked, the size of a pixel (0
-    or None where it is not known), the clip that is open, where it is from, and whether a second
-    one is to be compared with it.
+    or None where it is not known), and the clip that is open.
     """
 
     def __init__(self, answerer: Answerer, talking: Any = None) -> None:
@@ -153,63 +140,34 @@ class Opening:
             yield _closed(*before) | fields | {"files": None}
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        is_second = _compares(*before)
-        opens = self._open_second(source, *before) if is_second else self._open(source, before)
-        for values in opens:
+        for values in self._open(source, *before, is_second=_is_paired(*before)):
             yield values | fields
 
     def example(self, key: str, *before: Any) -> Iterator[Filled]:
-        """Open an example, and take away what was uploaded; an unknown key changes nothing.
-
-        It plays before the model has looked at it.
-        """
-        if (source := examples().get(key)) is None:
-            return
-        if _compares(*before):
-            yield from self._open_second(source, *before)
-            return
-        yield _closed(*before) | EMPTY_FIELDS | {"files": None, "stage": _unread(source)}
-        yield from self._open(source, before)
+        """Open an example, and take away what was uploaded; an unknown key changes nothing."""
+        if (source := examples().get(key)) is not None:
+            is_second = _is_paired(*before)
+            fields = {} if is_second else EMPTY_FIELDS | {"files": None}
+            for values in self._open(source, *before, is_second=is_second):
+                yield values | fields
 
     def compare(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Let what is opened next be a second recording, compared with the one that is open."""
         if shown is None:
             raise GeoTLMError("No recording is open; open one first.")
-        yield {"is_comparing": True, "stage_second": CHOOSING}
+        yield {"shown": replace(shown, is_paired=True), "stage_second": CHOOSING}
 
     def stop(self, *before: Any) -> Iterator[Filled]:
         """Show nothing of a recording that is being opened, and is opened no more."""
-        yield {"stage_second": CHOOSING} if _compares(*before) else _closed(*before)
+        yield {"stage_second": CHOOSING} if _is_paired(*before) else _closed(*before)
 
-    def close_second(self, shown: LoadedClip | None, source: Source | None) -> Iterator[Filled]:
+    def close_second(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Go back to one recording; its conversation goes on."""
-        values = NO_SECOND
-        if shown is not None and source is not None:
-            shown = compared(shown, None)
-            values = values | stage.stages_of(shown, source.name) | {"shown": shown}
+        values: Filled = {"stage_second": {}}
+        if shown is not None:
+            shown = replace(compared(shown, None), is_paired=False)
+            values |= stage.stages_of(shown) | {"shown": shown}
         yield values | {"chips": suggested(shown)}
-
-    def _open_second(
-        self,
-        second: Source,
-        facts: list[str],
-        mm_per_px: float | None,
-        shown: LoadedClip,
-        source: Source,
-        *_: Any,
-    ) -> Iterator[Filled]:
-        try:
-            loaded = yield from self._loading(second, name="stage_second")
-            shown = compared(shown, Second(loaded, second.name))
-            stages = stage.stages_of(shown, source.name)
-        except Exception:
-            yield {"stage_second": CHOOSING}
-            raise
-        yield stages | {
-            "shown": shown,
-            "mm_per_px": shown.session.frame.mm_per_px or 0,
-            "chips": suggested(shown),
-        }
 
     def visit(self, query: Mapping[str, str]) -> Iterator[Filled]:
         """Show and open the example of a link, or the first one; a wrong link opens nothing.
@@ -222,63 +180,64 @@ class Opening:
             raise GeoTLMError(
                 f"The link names the example {key[:40]!r}, which does not exist; open one below."
             )
-        yield {"source": source}
-        for values in self._open(source, ([], None, None)):
+        for values in self._open(source, []):
             yield values
         question = query.get("q", "" if query.get("example") else FIRST_QUESTION)
         if question:
-            yield from self._talking.ask(
-                question[:QUESTION_CHARACTERS], values["shown"], source, [], None
-            )
+            asked = question[:QUESTION_CHARACTERS], values["shown"], [], None
+            for values in self._talking.ask(*asked):
+                # What is being typed meanwhile stays.
+                yield {name: value for name, value in values.items() if value != ""}
 
     def warm(self) -> None:
         """Look at what is opened with the page, before anybody comes."""
-        self._example(examples()[FIRST])
+        source = examples()[FIRST]
+        self._perceive(source, read_named(source.path))
 
     def read_again(
         self, source: Source | None, first: str, last: str, topic: str | None, *before: Any
     ) -> Iterator[Filled]:
         """Read what is open anew, a span of it, or another topic."""
-        if source is not None:
-            # The toolkit's field that was never filled holds None.
-            source = replace(source, topic=(topic or "").strip() or None)
-            yield from self._open(source, before, first, last)
-
-    def _open(
-        self, source: Source, before: tuple[Any, ...], first: str = "", last: str = ""
-    ) -> Iterator[Filled]:
-        # An error is shown only after the clip before is closed: it must not answer for this one.
+        if source is None:
+            return
+        # The toolkit's field that was never filled holds None.
+        source = replace(source, topic=(topic or "").strip() or None)
         try:
-            span = span_of(first, last)
-            shown = yield from self._loading(source, first, last)
-            yield _opened(shown, replace(source, span=span), *before)
-        except Exception:
+            source = replace(source, span=span_of(first, last))
+        except GeoTLMError:
             yield _closed(*before) | {"source": source}
             raise
+        yield from self._open(source, *before)
 
-    def _loading(
-        self, source: Source, first: str = "", last: str = "", name: str = "stage"
-    ) -> Iterator[Filled]:
-        """Show a recording at a stage, and how far it is tracked; return it."""
-        span = span_of(first, last)
-        recording = read_named(source.path, source.topic)
-        unread = stage.opening(recording, source.name)
-        yield {name: unread}
-        if source.example and span is None:
-            work = partial(self._example, source)
-        else:
-            work = partial(perceive, self._answerer, recording, span=span)
+    def _open(self, source: Source, *before: Any, is_second: bool = False) -> Iterator[Filled]:
+        """Show a recording before the model has looked at it, the progress, and the result.
 
-        def show(what: str, done: int, total: int) -> Filled:
-            return {name: unread | {"progress": f"{what}, {done / max(total, 1):.0%}"}}
+        What was open before is closed first: it must not answer for this one.
+        """
+        closed = {"stage_second": CHOOSING} if is_second else _closed(*before) | {"source": source}
+        name = "stage_second" if is_second else "stage"
+        try:
+            recording = read_named(source.path, source.topic)
+            unread = stage.opening(recording, source.name)
+            yield ({} if is_second else closed) | {name: unread}
 
-        return (yield from reported(work, show))
+            def show(what: str, done: int, total: int) -> Filled:
+                return {name: unread | {"progress": f"{what}, {done / max(total, 1):.0%}"}}
 
-    def _example(self, source: Source) -> LoadedClip:
-        """Return an example, perceived once, with a conversation of its own."""
+            shown = yield from reported(partial(self._perceive, source, recording), show)
+            yield _paired(shown, *before) if is_second else _opened(shown, *before)
+        except Exception:
+            yield closed
+            raise
+
+    def _perceive(self, source: Source, recording: Any) -> LoadedClip:
+        """Return a recording for questions; an example is perceived once."""
+        options = {"span": source.span, "source": source}
+        if source.example is None or source.span is not None:
+            return perceive(self._answerer, recording, **options)
         with self._lock:
             if source.example not in self._perceived:
-                self._perceived[source.example] = load_clip(self._answerer, source.path)
+                self._perceived[source.example] = perceive(self._answerer, recording, **options)
             perceived = self._perceived[source.example]
         return replace(perceived, session=self._answerer.session(perceived.encoded))
 
@@ -286,17 +245,9 @@ class Opening:
 CHOOSING = {"chooses": True}
 """What the second stage shows until a recording is chosen for it."""
 
-NO_SECOND: Filled = {"is_comparing": False, "stage_second": {}}
 
-
-def _compares(
-    facts: list[str],
-    mm_per_px: float | None = None,
-    shown: LoadedClip | None = None,
-    source: Source | None = None,
-    is_comparing: bool = False,
-) -> bool:
-    return is_comparing and shown is not None and source is not None
+def _is_paired(_: list[str], __: float | None = None, shown: LoadedClip | None = None) -> bool:
+    return shown is not None and shown.is_paired
 
 
 def about_clip(shown: LoadedClip | None) -> dict[str, Any]:
@@ -309,50 +260,47 @@ def nothing_asked(shown: LoadedClip | None) -> Filled:
     return {"chat": exchanges(None), "evidence": about_clip(shown), "code": "", "last": None}
 
 
-def _unread(source: Source) -> dict[str, Any]:
-    return stage.opening(read_clip(source.path), source.name)
-
-
 def _opened(
     shown: LoadedClip,
-    source: Source,
     facts: list[str],
     mm_per_px: float | None = None,
     before: LoadedClip | None = None,
-    *_: Any,
 ) -> Filled:
     size = shown.encoded.clip.frames.shape[1:3]
     if before is not None and before.encoded.clip.frames.shape[1:3] != size:
         mm_per_px = None  # it was stated of other pixels
-    return (
-        nothing_asked(shown)
-        | NO_SECOND
-        | {
-            "shown": shown,
-            "source": source,
-            "stage": stage.stage_of(shown, source.name, FrameSpec(mm_per_px=mm_per_px or None)),
-            "framed": in_frame(facts, None),
-            "mm_per_px": mm_per_px or 0,
-            "chips": suggested(shown),
-            "saving": offered(shown, source.example),
-        }
-    )
+    frame = FrameSpec(mm_per_px=mm_per_px or None)
+    return _closed(facts) | {
+        **nothing_asked(shown),
+        **{"shown": shown, "source": shown.source, "mm_per_px": mm_per_px or 0},
+        "stage": stage.stage_of(shown, shown.source.name, frame),
+        "chips": suggested(shown),
+        "saving": offered(shown),
+    }
+
+
+def _paired(
+    second: LoadedClip, facts: list[str], mm_per_px: float | None, shown: LoadedClip
+) -> Filled:
+    shown = compared(shown, second)
+    return stage.stages_of(shown) | {
+        "shown": shown,
+        "mm_per_px": shown.session.frame.mm_per_px or 0,
+        "chips": suggested(shown),
+    }
 
 
 def _closed(
-    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None, *_: Any
+    facts: list[str], mm_per_px: float | None = None, before: LoadedClip | None = None
 ) -> Filled:
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
-    return (
-        nothing_asked(None)
-        | NO_SECOND
-        | {
-            **{"shown": None, "source": None, "stage": {}, "chips": []},
-            "framed": in_frame(facts, None),
-            "mm_per_px": mm_per_px if before is None else 0,
-            "saving": offered(None, None),
-        }
-    )
+    return {
+        **nothing_asked(None),
+        **{"shown": None, "source": None, "stage": {}, "stage_second": {}, "chips": []},
+        "framed": in_frame(facts, None),
+        "mm_per_px": (mm_per_px or 0) if before is None else 0,
+        "saving": offered(None),
+    }
 
 
 def saving_bar() -> Any:
@@ -361,27 +309,27 @@ def saving_bar() -> Any:
     return html({}, template, "saving")
 
 
-def offered(shown: LoadedClip | None, example: str | None) -> dict[str, Any]:
+def offered(shown: LoadedClip | None) -> dict[str, Any]:
     """Return what can be saved of the clip that is open; only an example has a link."""
     if shown is None:
         return {"kinds": []}
     tracked = [] if shown.encoded.track is None else ["track.csv", "track.json", "track.png"]
     asked = ["talk.txt", "talk.json"] if shown.session.history else []
-    return {"kinds": [*tracked, *asked, *(["link"] if example else [])]}
+    return {"kinds": [*tracked, *asked, *(["link"] if shown.source.example else [])]}
 
 
-def saved(kind: str, shown: LoadedClip | None, source: Source | None) -> dict[str, Any]:
+def saved(kind: str, shown: LoadedClip | None) -> dict[str, Any]:
     """Return a file for the browser to save, or the end of a link."""
-    offer = offered(shown, source.example if source else None)
-    if shown is None or source is None or kind not in offer["kinds"]:
+    offer = offered(shown)
+    if shown is None or kind not in offer["kinds"]:
         raise GeoTLMError("There is nothing of this kind to save; open a recording and ask first.")
-    turns = shown.session.history
+    turns, source = shown.session.history, shown.source
     if kind == "link":
         query = {"example": source.example} | ({"q": turns[-1].question} if turns else {})
         return offer | {"link": f"?{urlencode(query)}"}
     what, ending = kind.split(".")
     if what == "track":
-        content = _track(shown, ending, source.name)
+        content = _track(shown, ending)
     elif ending == "json":
         content = (json.dumps(shown.session.to_dict(), indent=1) + "\n").encode()
     else:
@@ -395,10 +343,11 @@ def saved(kind: str, shown: LoadedClip | None, source: Source | None) -> dict[st
     }
 
 
-def _track(shown: LoadedClip, ending: str, name: str) -> bytes:
+def _track(shown: LoadedClip, ending: str) -> bytes:
     exported = Exported(shown.encoded.track, shown.session.frame.mm_per_px)
     clip = shown.encoded.recording
     if ending == "png":
         return plot_png(exported, in_frames=not clip.is_timed)
-    made_by = {"program": f"geotlm-lm {__version__}", "recording": name, "fps": clip.fps}
+    made_by = {"program": f"geotlm-lm {__version__}", "recording": shown.source.name}
+    made_by["fps"] = clip.fps
     return exported.content(f".{ending}", made_by)

@@ -158,10 +158,8 @@ const parts = {
           () => { status.textContent = "Link copied."; }, () => { status.textContent = link; });
       }
       if (value.content === undefined) return;
-      const bytes = Uint8Array.from(atob(value.content), (letter) => letter.charCodeAt(0));
-      const address = URL.createObjectURL(new Blob([bytes], { type: value.mime }));
+      const address = `data:${value.mime};base64,${value.content}`;
       Object.assign(document.createElement("a"), { href: address, download: value.name }).click();
-      setTimeout(() => URL.revokeObjectURL(address), 1000);
       status.textContent = `${value.name} saved.`;
     };
     watch("value", show);

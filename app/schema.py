@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NotRequired
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 from typing_extensions import TypedDict  # of 3.11's own one no schema can be made
 
 from geotlm_lm import RELATIVE_TOLERANCE, TOLERANCES, FrameSpec, Motion
@@ -61,20 +61,6 @@ Topic = _about(
     min_length=1,
     max_length=TOPIC_CHARACTERS,
 )
-Mirrored = _about(bool, "The recorded image is flipped left to right.")
-Turned = _about(
-    Literal[0, 90, 180, 270], "Degrees by which the recorded image is turned clockwise."
-)
-Viewpoint = _about(
-    Literal["sensor", "object"],
-    "From where directions are told: out of the sensor, or from the object.",
-)
-Actor = _about(Literal["object", "sensor"], "Whose motion is told: the object's, or the sensor's.")
-Thread = _about(Literal["right", "left"] | None, "Handedness of a thread, if it has one.")
-ContactSide = _about(
-    Literal["head", "shank", "side"] | None,
-    "Which side of a screw or cap touches the gel, if known.",
-)
 MmPerPx = _about(
     float | None,
     "Millimetres of gel that a pixel is wide; travel is told in pixels without.",
@@ -91,37 +77,57 @@ Picture = _about(
     "or with the contact mask; or turn, slide, depth, contact and grip of the whole track over "
     "time (timeline).",
 )
-ObjectName = _about(
-    str, 'A shape, for example "key", "coin", "hex_nut".', max_length=NAME_CHARACTERS
-)
-DepthMm = bounded(-1.0, 1.5, "Approach beyond first touch, half-way, mm; 0 or less: no contact.")
-TwistDeg = bounded(-60.0, 60.0, "Turn in degrees, positive clockwise in the image.")
-SlideXMm = bounded(-5.0, 5.0, "Travel to the right, mm.")
-SlideYMm = bounded(-5.0, 5.0, "Travel down the image, mm.")
-PressMm = bounded(-2.0, 2.0, "Approach into the gel from first to last frame, mm; negative lifts.")
-ThicknessMm = bounded(1.0, 6.0, "Of the gel, mm.")
-Seed = _about(int, "Of the noise.", ge=0, le=2**31 - 1)
 
 
-def frame_of(
-    mirrored: bool = False,
-    turned: int = 0,
-    viewpoint: Any = "sensor",
-    actor: Any = "object",
-    thread: Any = None,
-    contact_side: Any = None,
-    mm_per_px: float | None = None,
-) -> FrameSpec:
-    """Return the frame of reference that a tool's facts stand for."""
-    return FrameSpec(
-        image_mirrored=mirrored,
-        viewpoint=viewpoint,
-        actor=actor,
-        thread=thread,
-        contact_side=contact_side,
-        mm_per_px=mm_per_px,
-        **FrameSpec.fields_of_turn(turned),
-    )
+class Frame(BaseModel):
+    """Parameters that tools share: the frame of reference of directions and travel."""
+
+    mirrored: _about(bool, "The recorded image is flipped left to right.") = False
+    turned: _about(
+        Literal[0, 90, 180, 270], "Degrees by which the recorded image is turned clockwise."
+    ) = 0
+    viewpoint: _about(
+        Literal["sensor", "object"],
+        "From where directions are told: out of the sensor, or from the object.",
+    ) = "sensor"
+    actor: _about(
+        Literal["object", "sensor"], "Whose motion is told: the object's, or the sensor's."
+    ) = "object"
+    thread: _about(Literal["right", "left"] | None, "Handedness of a thread, if it has one.") = None
+    contact_side: _about(
+        Literal["head", "shank", "side"] | None,
+        "Which side of a screw or cap touches the gel, if known.",
+    ) = None
+    mm_per_px: MmPerPx = None
+
+    @property
+    def spec(self) -> FrameSpec:
+        """The same as the library takes it."""
+        fields = self.model_dump(exclude={"mirrored", "turned"})
+        turn = FrameSpec.fields_of_turn(self.turned)
+        return FrameSpec(image_mirrored=self.mirrored, **turn, **fields)
+
+
+class SimulatedTouch(BaseModel):
+    """Parameters of a simulated touch; the fields of a `Touch`."""
+
+    object_name: _about(
+        str, 'A shape, for example "key", "coin", "hex_nut".', max_length=NAME_CHARACTERS
+    ) = "key"
+    depth_mm: bounded(
+        -1.0, 1.5, "Approach beyond first touch, half-way, mm; 0 or less: no contact."
+    ) = 0.6
+    twist_deg: bounded(-60.0, 60.0, "Turn in degrees, positive clockwise in the image.") = 0.0
+    slide_x_mm: bounded(-5.0, 5.0, "Travel to the right, mm.") = 0.0
+    slide_y_mm: bounded(-5.0, 5.0, "Travel down the image, mm.") = 0.0
+    press_mm: bounded(
+        -2.0, 2.0, "Approach into the gel from first to last frame, mm; negative lifts."
+    ) = 0.0
+    thickness_mm: bounded(1.0, 6.0, "Of the gel, mm.") = 4.0
+    seed: _about(int, "Of the noise.", ge=0, le=2**31 - 1) = 0
+
+
+AS_RECORDED, KEY_AT_REST = Frame(), SimulatedTouch()
 
 
 class Evidence(TypedDict):

@@ -1,7 +1,5 @@
 """What the toolkit's sessions lack: an order for each visitor, little memory, no files left."""
 
-from __future__ import annotations
-
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator
@@ -135,14 +133,12 @@ def remove_uploads_with_session(page: Any) -> None:
     """Remove what is uploaded to a page's fields with its session; inside the `gradio.Blocks`."""
     files = SessionFiles()
 
-    def hold(paths: Any, request: Any) -> None:
+    def hold(paths: Any, request: Request) -> None:
         files.hold(request.session_hash, paths)
 
-    def drop(request: Any) -> None:
+    def drop(request: Request) -> None:
         files.drop(request.session_hash)
 
-    # Postponed annotations are text, and the toolkit looks for the request's type itself.
-    hold.__annotations__["request"] = drop.__annotations__["request"] = Request
     for field in [block for block in page.blocks.values() if type(block) is File]:
         field.upload(hold, field, None, queue=False, **QUIET)
     page.unload(drop)

@@ -150,28 +150,29 @@ class Sources:
                 "the tool recordings lists, or send the file itself, in Python by "
                 "handle_file('clip.npz'), elsewhere as 'data:;base64,...'."
             )
-        if self._served is None:
-            raise GeoTLMError(
-                f"There is no recording {name[:80]!r}, as no folder is served; {self._advice(name)}"
-            )
-        unknown = GeoTLMError(f"There is no recording {name[:80]!r}; {self._advice(name)}")
-        # The name is looked for in its own folder's listing, never joined to a path and followed.
-        place = self._served
-        *folders, last = name.split("/")
-        for folder in folders:
-            if folder not in _plain_names(place, True):
-                raise unknown
-            place /= folder
-        is_listed = last in [*_plain_names(place, True), *_plain_names(place, False)]
-        stored = _recording(place / last, name) if is_listed else None
+        stored = self._stored_at(name)
         if stored is None:
-            raise unknown
+            why = ", as no folder is served" if self._served is None else ""
+            raise GeoTLMError(f"There is no recording {name[:80]!r}{why}; {self._advice(name)}")
         if stored["size_bytes"] > UPLOAD_BYTES:
             raise GeoTLMError(
                 f"{name} is {stored['size_bytes'] // MIB} MiB long, expected at most "
                 f"{UPLOAD_BYTES // MIB}; cut the recording."
             )
-        return place / last
+        return self._served / name
+
+    def _stored_at(self, name: str) -> StoredRecording | None:
+        """Return the recording that is listed by a name: no link and nothing hidden leads to it."""
+        if self._served is None:
+            return None
+        path = self._served / name
+        try:
+            inside = path.relative_to(self._served)
+            is_listed = inside.as_posix() == name and path.resolve(strict=True) == path
+        except (OSError, ValueError):
+            return None
+        is_hidden = any(part.startswith(".") for part in inside.parts)
+        return _recording(path, name) if is_listed and not is_hidden else None
 
     def _advice(self, name: str) -> str:
         """Return how a refusal of an unknown name ends: the nearest of those that are listed."""
@@ -181,7 +182,7 @@ class Sources:
         near = nearest(name, known)
         if near is not None:
             return f"did you mean '{known[near]}'?"
-        if stored or self._served is not None:
+        if self._served is not None:
             return "the tool recordings lists the names there are."
         return (
             f"name an example such as {next(iter(EXAMPLES), None)!r}, or start the server with "
@@ -234,14 +235,6 @@ def _recording(path: Path, name: str) -> StoredRecording | None:
     except (OSError, UnicodeEncodeError):
         return None
     return {"name": name, "kind": kind, "size_bytes": size_bytes} if kind else None
-
-
-def _plain_names(place: Path, is_folder: bool) -> list[str]:
-    """Return the names of the folders, or of the files, that lie in a folder itself."""
-    try:
-        return [name for name in os.listdir(place) if _is_plain(place / name, is_folder)]
-    except OSError:
-        return []
 
 
 def _is_plain(path: Path, is_folder: bool) -> bool:

@@ -22,7 +22,7 @@ class Received {
     const [image, idle] = await Promise.all(
       [given && given.image, value.idle].map((address) => (address ? loadImage(address) : null)));
     if (this.stream !== value.stream) return null;
-    if (idle) this.idle = pixelsOf(idle);
+    if (idle) this.idle = canvasOf(idle).pixels.data;
     if (image && !(given.at <= this.x[this.x.length - 1])) this.add(given, image);
     const { outlines, x, numbers, rate } = this;
     return { ...value, count: this.images.length, outlines, x, numbers, rate };
@@ -51,10 +51,7 @@ const part = (name) => element.querySelector(`[data-part="${name}"]`);
 const picture = part("picture"), scrub = part("scrub"), playButton = part("play");
 const timeline = new Timeline(part("time"));
 const wantsRest = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-const layers = { arrows: true, contact: true, shear: false, difference: false, depth: false, truth: true };
-const LAYER_NAMES = {
-  contact: "Contact", arrows: "Motion", truth: "True motion", shear: "Shear", difference: "Difference", depth: "Depth",
-};
+const layers = [...part("layers").children];
 let data = null, images = [], idle = null, depths = [];
 let frame = 0, isPlaying = false, isFollowing = false, began = 0, beganAt = 0;
 let shows = 0, stale = null;
@@ -77,7 +74,7 @@ function showNothing() {
   pause();
   title();
   picture.setAttribute("aria-label", "No recording is open");
-  part("layers").replaceChildren();
+  for (const button of layers) button.hidden = true;
   part("clock").textContent = "";
   timeline.place = undefined;
   timeline.show(null);
@@ -104,7 +101,7 @@ async function showRecording(value, turn) {
     depths = all ? all.slice(value.count + (value.has_idle ? 1 : 0)) : [];
     if (idleImage) await idleImage.decode().catch(() => null);
     if (turn !== shows && (!data || data.pack !== value.pack)) return;
-    idle = idleImage && idleImage.naturalWidth ? pixelsOf(idleImage) : null;
+    idle = idleImage && idleImage.naturalWidth ? canvasOf(idleImage).pixels.data : null;
     go(isLike ? frame : 0);
     if (!wantsRest) play();
   }
@@ -176,24 +173,10 @@ function showLayers() {
     contact: data.outlines, arrows: data.motion || data.timeline, shear: data.shear,
     difference: idle, depth: depths.length, truth: data.truth,
   };
-  const names = Object.keys(LAYER_NAMES).filter((name) => has[name]);
-  const shown = [...part("layers").children].map((button) => button.dataset.layer);
-  if (shown.join() === names.join()) return; // a button that is being used stays
-  const buttons = names.map((name) => {
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = LAYER_NAMES[name];
-    button.dataset.layer = name;
-    button.setAttribute("aria-pressed", layers[name]);
-    button.onclick = () => {
-      layers[name] = !layers[name];
-      button.setAttribute("aria-pressed", layers[name]);
-      draw();
-    };
-    return button;
-  });
-  part("layers").replaceChildren(...buttons);
+  for (const button of layers) button.hidden = !has[button.dataset.layer];
 }
+
+const isShown = (name) => part("layers").querySelector(`[data-layer=${name}]`).getAttribute("aria-pressed") === "true";
 
 function draw() {
   const ratio = window.devicePixelRatio || 1;
@@ -208,8 +191,8 @@ function draw() {
   const wide = Math.min(box.width, box.height * data.aspect), size = [wide, wide / data.aspect];
   context.setTransform(ratio, 0, 0, ratio, ratio * (box.width - size[0]) / 2, ratio * (box.height - size[1]) / 2);
   let seen = image;
-  if (layers.difference && idle) seen = differenceOf(image, idle);
-  if (layers.depth && depths[frame]) seen = depths[frame];
+  if (isShown("difference") && idle) seen = differenceOf(image, idle);
+  if (isShown("depth") && depths[frame]) seen = depths[frame];
   context.imageSmoothingQuality = "high";
   context.drawImage(seen, 0, 0, ...size);
   drawLayers(context, size);
@@ -218,20 +201,20 @@ function draw() {
 function drawLayers(context, size) {
   const lines = [], outlines = data.outlines || [];
   const polygons = outlines[Math.min(frame, outlines.length - 1)] || [];
-  if (layers.contact && polygons.length) {
+  if (isShown("contact") && polygons.length) {
     drawContact(context, size, polygons);
     lines.push({ text: "where the gel has changed" });
   }
-  if (layers.depth && depths[frame]) lines.push({ text: `bright: ${data.deepest_mm} mm deep` });
-  if (layers.difference && idle) lines.push({ text: "change against the idle gel, four times" });
+  if (isShown("depth") && depths[frame]) lines.push({ text: `bright: ${data.deepest_mm} mm deep` });
+  if (isShown("difference") && idle) lines.push({ text: "change against the idle gel, four times" });
   const field = (ends, colour, text) => {
     if (!ends || !ends.length) return;
     drawField(context, size, ends, colour);
     lines.push({ colour, text });
   };
-  if (layers.shear) field(data.shear, "#ff9df0", "learned shear change, no unit");
-  if (layers.truth) field(data.truth, "#35e0ff", "true motion, to scale");
-  const motion = layers.arrows && polygons.length && (data.timeline ? motionNow() : data.motion);
+  if (isShown("shear")) field(data.shear, "#ff9df0", "learned shear change, no unit");
+  if (isShown("truth")) field(data.truth, "#35e0ff", "true motion, to scale");
+  const motion = isShown("arrows") && polygons.length && (data.timeline ? motionNow() : data.motion);
   if (motion) {
     const when = data.timeline ? `of the next ${LOOK_AHEAD_S} s` : "from the first to the last frame";
     field(rigidArrows(size, polygons, (motion.turn * Math.PI) / 180, motion.travel), "#ffdc00", `motion ${when}, to scale`);
@@ -330,9 +313,7 @@ function placeAfter(seconds) {
   if (data.unit !== "s") return beganAt + seconds * data.rate;
   const when = data.x[beganAt] + seconds, last = data.x.length - 1;
   if (when > data.x[last]) return last + (when - data.x[last]) * data.rate;
-  let place = beganAt;
-  while (place < last && data.x[place + 1] <= when) place++;
-  return place;
+  return data.x.findLastIndex((time) => time <= when);
 }
 
 function seek(place) {
@@ -358,18 +339,16 @@ document.addEventListener("seek", (event) => {
 });
 
 const tip = part("tip"), time = part("time");
-let isDragging = false;
 const toPlace = (event) => timeline.valueAt(event.clientX - time.getBoundingClientRect().left);
 time.addEventListener("pointerdown", (event) => {
   if (!data) return;
-  isDragging = true;
   time.setPointerCapture(event.pointerId);
   seek(nearest(data.x, toPlace(event)));
 });
 time.addEventListener("pointermove", (event) => {
   if (!data) return;
   const value = toPlace(event);
-  if (isDragging) seek(nearest(data.x, value));
+  if (time.hasPointerCapture(event.pointerId)) seek(nearest(data.x, value));
   if (!data.timeline) return;
   tip.textContent = timeline.textAt(value);
   tip.hidden = false;
@@ -378,11 +357,8 @@ time.addEventListener("pointermove", (event) => {
   tip.style.left = `${left}px`;
   tip.style.top = `${time.getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
 });
-for (const ending of ["pointerup", "pointercancel", "pointerleave"]) {
-  time.addEventListener(ending, () => {
-    isDragging = false;
-    if (ending !== "pointerup") tip.hidden = true;
-  });
+for (const ending of ["pointercancel", "pointerleave"]) {
+  time.addEventListener(ending, () => { tip.hidden = true; });
 }
 // With a key held the wheel zooms; once a part is shown it moves that part along.
 time.addEventListener("wheel", (event) => {
@@ -392,6 +368,12 @@ time.addEventListener("wheel", (event) => {
   event.preventDefault();
 }, { passive: false });
 for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
+for (const button of layers) {
+  button.onclick = () => {
+    button.setAttribute("aria-pressed", !isShown(button.dataset.layer));
+    draw();
+  };
+}
 for (const button of part("zoom").children) button.onclick = () => timeline.zoom(Number(button.dataset.zoom));
 const resized = new ResizeObserver(() => {
   if (timeline.width !== time.clientWidth) timeline.draw();

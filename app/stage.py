@@ -58,9 +58,6 @@ LANES = {
 
 OF_MOTION = "Which way is it moving?"
 
-KINDS = {"clockwise": "turn", "counterclockwise": "turn", "press": "press", "release": "press"}
-"""Component of a way; of the others it is the slide."""
-
 FINE, LEAST_SHARE = 8, 0.004
 """Outlines are drawn on a mask that is so many times finer, around what fills so much of it."""
 
@@ -108,7 +105,7 @@ def stage_of(
     if depth:
         values["deepest_mm"] = round(deepest, 2)
     if encoded.track is not None:
-        drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, units)
+        drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, mm_per_px)
         values["timeline"] = timeline_of(drawing, values["unit"], limits)
         values["outlines"] = _outlines(_sent(clip), encoded.track)
         return values
@@ -127,16 +124,16 @@ def stage_of(
     return values
 
 
-def stages_of(shown: LoadedClip, name: str) -> dict[str, Any]:
+def stages_of(shown: LoadedClip) -> dict[str, Any]:
     """Return what the stage shows of a recording, and a second one of what it is compared with.
 
     Both are then drawn on the same scale of time and of amounts.
     """
     frame = shown.session.frame
-    first = stage_of(shown, name, frame)
+    first = stage_of(shown, shown.source.name, frame)
     if shown.second is None:
         return {"stage": first}
-    second = stage_of(shown.second.shown, shown.second.name, frame)
+    second = stage_of(shown.second, shown.second.source.name, frame)
     first["about"] = f"first · {first['about']}"
     second["about"] = f"second, “it” in a question · {second['about']}"
     for values in (first, second):
@@ -221,36 +218,28 @@ def _outlines(clip: Clip, track: Any) -> list[list]:
     ]
 
 
-def motion_of(shown: LoadedClip, frame: FrameSpec) -> Any:
-    """Return what a clip does as its words tell it: the value of a question, asked aside."""
-    session = shown.session
-    return session.answerer.session(shown.encoded, frame=frame).ask(OF_MOTION).values[0]
+def motion_of(shown: LoadedClip, frame: FrameSpec) -> tuple[Any, ...]:
+    """Return how a clip moves as its words tell it, the largest motion first: asked aside."""
+    session = shown.session.answerer.session(shown.encoded, frame=frame)
+    return getattr(session.ask(OF_MOTION).values[0], "movements", ())
 
 
 def way_of(shown: LoadedClip, frame: FrameSpec) -> Any:
     """Return the way of the largest motion that the stage shows; None where there is none."""
-    return next((movement.way for movement in _movements(motion_of(shown, frame))), None)
+    return next((movement.way for movement in motion_of(shown, frame)), None)
 
 
-def step_of(moved: Any, shown: LoadedClip) -> dict[str, Any]:
+def step_of(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any]:
     """Return each component of a short clip's motion, from end to end, and its detection limit."""
     from geotlm_lm import LEAST_SURE  # with the model's libraries
 
     belief = shown.encoded.belief
     if not shown.seen.has_contact or belief.contact < LEAST_SURE:
         return {"rows": [], "text": "No contact is seen: no motion is claimed."}
-    movements = {_kind_of(movement): movement for movement in _movements(moved)}
-    first = next(iter(movements), None)  # the largest
-    rows = {part.value: _row(belief, part, movements.get(part.value)) for part in COMPONENTS}
-    return {"rows": list(rows.values()), "text": rows[first]["text"] if first else "does not move"}
-
-
-def _movements(moved: Any) -> tuple[Any, ...]:
-    return getattr(moved, "movements", ())
-
-
-def _kind_of(movement: Any) -> str:
-    return KINDS.get(movement.way.value, "slide")
+    movements = {movement.component: movement for movement in moved}
+    rows = {part: _row(belief, part, movements.get(part)) for part in COMPONENTS}
+    text = rows[moved[0].component]["text"] if moved else "does not move"
+    return {"rows": list(rows.values()), "text": text}
 
 
 def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
@@ -277,9 +266,9 @@ def _limit(belief: Any, component: Any) -> str:
     return f" beyond {belief.at_limit.amount(component):.2g}{unit}"
 
 
-def _told_motion(moved: Any, shown: LoadedClip) -> dict[str, Any] | None:
+def _told_motion(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any] | None:
     """Return the turn (degrees) and the travel (shares of the picture) that are told, if any."""
-    kinds = {_kind_of(movement) for movement in _movements(moved)}
+    kinds = {movement.component.value for movement in moved}
     if not kinds & {"turn", "slide"}:
         return None
     mean = shown.encoded.belief.mean
@@ -289,14 +278,14 @@ def _told_motion(moved: Any, shown: LoadedClip) -> dict[str, Any] | None:
     return {"turn": float(mean.turn_deg) * ("turn" in kinds), "travel": _rounded(end - begin)}
 
 
-def limits_of(track: Any, units: Units) -> dict[str, float | None]:
-    """Return how far a turn and a slide have to go to be seen at all."""
-    totals = Exported(track, units.mm_per_px).totals() if len(track) else {}
-    return {name: totals.get(f"{name}_limit") for name in ("turn", "slide")}
+def limits_of(track: Any, mm_per_px: float | None) -> dict[str, float]:
+    """Return how far a component has to go to be seen at all, by its name."""
+    limits = Exported(track, mm_per_px).limits() if len(track) else {}
+    return {component.value: round(float(far), 3) for component, far in limits.items()}
 
 
 def timeline_of(
-    drawing: Drawing, unit: str, limits: dict[str, float | None], since_s: float = -np.inf
+    drawing: Drawing, unit: str, limits: dict[str, float], since_s: float = -np.inf
 ) -> dict[str, Any]:
     """Return a row for each kind of event, with its curves and the spans that hold nine tenths.
 

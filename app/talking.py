@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,47 +12,12 @@ from geotlm_lm import FrameSpec, GeoTLMError, Motion
 from . import stage
 from .clips import LoadedClip, compared
 from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
-from .opening import Source, about_clip, nothing_asked, offered
+from .opening import about_clip, nothing_asked, offered
 from .toolkit import Filled
 from .turns import SessionInTurns
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
-
-
-def _whole(shown: LoadedClip, source: Source) -> Filled:
-    return stage.stages_of(shown, source.name)
-
-
-def evidence_and_code(answerer: Answerer, answer: Any, shown: LoadedClip, source: Source) -> Filled:
-    """Return what an answer rests on, and the conversation as a program."""
-    code = code_of(source, [turn.question for turn in shown.session.history], shown)
-    beside = {"code": code, "saving": offered(shown, source.example)}
-    if hasattr(answer, "relation"):  # of two recordings
-        verdicts = [
-            [name, _way(each.direction), each.text]
-            for name, each in (("first", answer.first), ("second", answer.second))
-        ]
-        return beside | {"evidence": about_clip(shown) | {"verdicts": verdicts}}
-    if shown.second is not None:  # a question that is about one of two is about the second
-        shown = shown.second.shown
-    details = answer.to_dict()
-    timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
-    # What is to be known of the answer; the clip's own notes stand beside the clip.
-    notes = [note for note in answer.notes if note not in shown.encoded.clip.notes]
-    likeliest = sorted(answer.options.items(), key=lambda option: -option[1])
-    evidence = about_clip(shown) | {
-        "notes": notes,
-        "probabilities": likeliest[:MOST_OPTIONS],
-        "band": _band(answerer, details),
-        "verdicts": _verdicts(answer, shown),
-        "regions": [
-            [name.replace("_", " "), *(round(values[key], 3) for key in REGION_VALUES)]
-            for name, values in details.get("evidence", {}).get("regions", {}).items()
-        ],
-        "timing": " · ".join(f"{name} {value:.1f} ms" for name, value in timing_ms.items()),
-    }
-    return beside | {"evidence": evidence}
 
 
 MOST_OPTIONS = 5
@@ -65,15 +30,11 @@ class Talking:
     """Answers questions about a clip."""
 
     answerer: Answerer
-    # What the stage shows once the size of a pixel is another, what else an answer fills.
-    redraw: Callable[[LoadedClip, Source], Filled] = _whole
-    beside: Callable[..., Filled] = evidence_and_code
 
     def ask(
         self,
         question: str,
         shown: LoadedClip | None,
-        source: Source | None,
         facts: list[str],
         mm_per_px: float | None,
     ) -> Iterator[Filled]:
@@ -101,36 +62,73 @@ class Talking:
             "mm_per_px": frame.mm_per_px or 0,
             "framed": in_frame(stated, direction),
             "chips": suggested(shown),
-            **(self.redraw(shown, source) if redrawn else {}),
-            **self.beside(self.answerer, answer, shown, source),
+            **(self.redraw(shown) if redrawn else {}),
+            **self.beside(answer, shown),
         }
 
-    def again(self, shown: LoadedClip | None, *others: Any) -> Iterator[Filled]:
+    def again(self, about: Any, *others: Any) -> Iterator[Filled]:
         """Ask the last question of the conversation again, in its old place."""
-        if shown is None or not shown.session.history:
+        session = self.session_of(about)
+        if session is None or not session.history:
             return
-        question = shown.session.history[-1].question
-        shown.session.take_back(question)
-        for values in self.ask(question, shown, *others):
+        question = session.history[-1].question
+        session.take_back(question)
+        for values in self.ask(question, about, *others):
             yield {name: value for name, value in values.items() if name != "question"}
 
-    def resize(
-        self, shown: LoadedClip | None, source: Source | None, mm_per_px: float | None
-    ) -> Iterator[Filled]:
+    def resize(self, shown: LoadedClip | None, mm_per_px: float | None) -> Iterator[Filled]:
         """Tell lengths by another size of a pixel, in the picture as well; 0, None: in pixels."""
         size = mm_per_px or None
         if shown is None or size == shown.session.frame.mm_per_px:
             return
         shown.session.frame = replace(shown.session.frame, mm_per_px=size)
-        yield self.redraw(shown, source) | {"chips": suggested(shown)}
+        yield self.redraw(shown) | {"chips": suggested(shown)}
 
-    def shown_again(self, shown: LoadedClip | None, *_: Any) -> Iterator[Filled]:
+    def shown_again(self, about: Any, *_: Any) -> Iterator[Filled]:
         """Show the conversation without the question that was being answered."""
-        yield {"chat": exchanges(stopped(shown and shown.session))}
+        session = self.session_of(about)
+        if isinstance(session, SessionInTurns):
+            session.stop()
+        yield {"chat": exchanges(session)}
 
-    def forget(
-        self, shown: LoadedClip | None, source: Source | None, facts: list[str], *_: Any
-    ) -> Iterator[Filled]:
+    def session_of(self, shown: LoadedClip | None) -> Any:
+        """Return the conversation; None where there is none."""
+        return None if shown is None else shown.session
+
+    def redraw(self, shown: LoadedClip) -> Filled:
+        """Return what the stage shows once the size of a pixel is another."""
+        return stage.stages_of(shown)
+
+    def beside(self, answer: Any, shown: LoadedClip) -> Filled:
+        """Return what an answer rests on, and the conversation as a program."""
+        beside = {"code": code_of(shown), "saving": offered(shown)}
+        if hasattr(answer, "relation"):  # of two recordings
+            verdicts = [
+                [name, _way(each.direction), each.text]
+                for name, each in (("first", answer.first), ("second", answer.second))
+            ]
+            return beside | {"evidence": about_clip(shown) | {"verdicts": verdicts}}
+        if shown.second is not None:  # a question that is about one of two is about the second
+            shown = shown.second
+        details = answer.to_dict()
+        timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
+        # What is to be known of the answer; the clip's own notes stand beside the clip.
+        notes = [note for note in answer.notes if note not in shown.encoded.clip.notes]
+        likeliest = sorted(answer.options.items(), key=lambda option: -option[1])
+        evidence = about_clip(shown) | {
+            "notes": notes,
+            "probabilities": likeliest[:MOST_OPTIONS],
+            "band": _band(self.answerer, details),
+            "verdicts": _verdicts(answer, shown),
+            "regions": [
+                [name.replace("_", " "), *(round(values[key], 3) for key in REGION_VALUES)]
+                for name, values in details.get("evidence", {}).get("regions", {}).items()
+            ],
+            "timing": " · ".join(f"{name} {value:.1f} ms" for name, value in timing_ms.items()),
+        }
+        return beside | {"evidence": evidence}
+
+    def forget(self, shown: LoadedClip | None, facts: list[str], *_: Any) -> Iterator[Filled]:
         """Begin the conversation about the clip anew; the frame that the page shows still holds."""
         anew = None
         if shown is not None:
@@ -140,15 +138,8 @@ class Talking:
             "shown": anew,
             "framed": in_frame(facts, None),
             "chips": suggested(anew),
-            "saving": offered(anew, source.example if source else None),
+            "saving": offered(anew),
         }
-
-
-def stopped(session: Any) -> Any:
-    """Return a conversation, if there is one, whose question is being answered no more."""
-    if isinstance(session, SessionInTurns):
-        session.stop()
-    return session
 
 
 def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
@@ -198,18 +189,19 @@ def along(turn_deg: float, right_px: float, down_px: float) -> str:
     return ", ".join(f"{abs(far):.1f} {unit} {ways[int(far < 0)]}" for far, unit, ways in moving)
 
 
-def code_of(source: Source, questions: list[str], shown: LoadedClip) -> str:
+def code_of(shown: LoadedClip) -> str:
     """Return the program that asks the questions of a conversation about its recording.
 
     The files of an upload are named as their owner knows them, several images by their folder.
     """
+    source, questions = shown.source, [turn.question for turn in shown.session.history]
     name = Path(source.path).name if isinstance(source.path, str) else source.name
     path = name if source.example is None else f"app/{Path(source.path).parent.name}/{name}"
     frame, usual = shown.session.frame, FrameSpec()
     stated = {field.name: getattr(frame, field.name) for field in fields(frame)}
     stated = {field: value for field, value in stated.items() if value != getattr(usual, field)}
     span = "" if source.span is None else f", span={source.span}"
-    second = [] if shown.second is None else [shown.second.shown.encoded.clip.name]
+    second = [] if shown.second is None else [shown.second.encoded.clip.name]
     return "\n".join(
         [
             "from geotlm_lm import Answerer, FrameSpec, read_clip",

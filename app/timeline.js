@@ -282,11 +282,6 @@ class Timeline {
 }
 
 function nearest(values, wanted) {
-  let low = 0, high = values.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (values[middle] <= wanted) low = middle;
-    else high = middle;
-  }
-  return wanted - values[low] <= values[high] - wanted ? low : high;
+  const off = (k) => Math.abs(values[k] - wanted);
+  return values.reduce((best, _, k) => (off(k) < off(best) ? k : best), 0);
 }

@@ -1,7 +1,5 @@
 """What the tabs share of the toolkit: parts filled by name, errors beside the field, plain text."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping
 from html import escape
@@ -9,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from geotlm_lm import GeoTLMError
-from geotlm_lm.core.errors import MissingDependency
+from geotlm_lm.core.errors import require_package
 
 from .guards import AT_ONCE
 from .turns import LISTENER
@@ -17,13 +15,10 @@ from .turns import LISTENER
 
 def gradio() -> Any:
     """Return the toolkit, imported only now: the package works without it."""
-    try:
-        import gradio as gr
-    except ImportError as error:
-        raise MissingDependency(
-            "The app needs gradio, which is not installed; run `pip install 'geotlm-lm[app]'`."
-        ) from error
-    return gr
+    require_package("gradio", "The app needs gradio", "app")
+    import gradio
+
+    return gradio
 
 
 PRIVATE = {"api_visibility": "private"}
@@ -40,11 +35,6 @@ CAMERA = {"concurrency_limit": AT_ONCE, "concurrency_id": "camera"}
 
 QUIET = {**PRIVATE, "show_progress": "hidden"}
 """Options of an event whose parts show by themselves that they are being filled."""
-
-
-def model_at(part: Any) -> dict[str, Any]:
-    """Return the options of an event that uses the model, and is seen to run at a part."""
-    return {**PRIVATE, "show_progress_on": [part], **MODEL}
 
 
 def report_progress(what: str, done: int, total: int) -> None:
@@ -124,10 +114,8 @@ def filling(
     if takes is None:
         return fill
 
-    # First: after the others, which are as many as the page gives, it would not be found.
-    def fill_with(about: Any, *given: Any) -> Iterator[dict[Any, Any]]:
+    # The toolkit finds it by its class, and only where it stands first.
+    def fill_with(about: takes, *given: Any) -> Iterator[dict[Any, Any]]:
         yield from fill(*given, about)
 
-    # Postponed annotations are text, and the toolkit looks for the class itself.
-    fill_with.__annotations__["about"] = takes
     return fill_with

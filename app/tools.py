@@ -25,25 +25,38 @@ OUR_FAULT = "The tool failed, and it is not your fault; the server's log has the
 
 @dataclass(frozen=True)
 class Tool:
-    """A function that programs and agents call by name; its parameters and result are annotated."""
+    """A function that programs and agents call by name; its parameters and result are annotated.
+
+    A parameter that is a model of several stands for them: each is a parameter of the tool.
+    """
 
     name: str
     description: str
     function: Callable[..., dict[str, Any]]
     parameters: type[BaseModel]
+    groups: Mapping[str, type[BaseModel]]
     output: TypeAdapter[Any]
 
     @classmethod
     def of(cls, function: Callable[..., dict[str, Any]]) -> Tool:
         """Return the tool of a function."""
         hints = get_type_hints(function, include_extras=True)
-        fields = {
-            name: (hints[name], ... if field.default is inspect.Parameter.empty else field.default)
-            for name, field in inspect.signature(function).parameters.items()
+        groups = {
+            name: kind
+            for name, kind in hints.items()
+            if isinstance(kind, type) and issubclass(kind, BaseModel)
         }
-        model = create_model(function.__name__, __config__=ConfigDict(extra="forbid"), **fields)
-        description = inspect.getdoc(function) or ""
-        return cls(function.__name__, description, function, model, TypeAdapter(hints["return"]))
+        fields: dict[str, Any] = {}
+        for name, parameter in inspect.signature(function).parameters.items():
+            if name in groups:
+                shared = groups[name].model_fields.items()
+                fields |= {each: (field.annotation, field) for each, field in shared}
+            else:
+                is_needed = parameter.default is inspect.Parameter.empty
+                fields[name] = (hints[name], ... if is_needed else parameter.default)
+        name, description = function.__name__, inspect.getdoc(function) or ""
+        model = create_model(name, __config__=ConfigDict(extra="forbid"), **fields)
+        return cls(name, description, function, model, groups, TypeAdapter(hints["return"]))
 
     @property
     def _names(self) -> tuple[str, ...]:
@@ -70,8 +83,11 @@ class Tool:
             checked = self.parameters.model_validate(dict(given))
         except ValidationError as error:
             raise GeoTLMError(self._sentence(error)) from None
+        arguments = dict(checked)
+        for name, group in self.groups.items():
+            arguments[name] = group(**{each: arguments.pop(each) for each in group.model_fields})
         try:
-            result = self.function(**{name: getattr(checked, name) for name in self._names})
+            result = self.function(**arguments)
             return self.output.dump_python(result, mode="json", warnings=False)
         except GeoTLMError:
             raise
@@ -85,21 +101,21 @@ class Tool:
 
     def _typed(self) -> Callable[..., Any]:
         """Return the tool as the toolkit takes it: plain types, files as its clients send them."""
-        signature = inspect.signature(self.function)
-        full = get_type_hints(self.function, include_extras=True)
-        plain = get_type_hints(self.function)
-        hints = {name: Upload | str if full[name] == Recording else plain[name] for name in plain}
+        full = get_type_hints(self.parameters, include_extras=True)
+        plain = get_type_hints(self.parameters)
+        hints = {name: Upload | str if full[name] == Recording else plain[name] for name in full}
 
         def call(*given: Any) -> dict[str, Any]:
             try:
-                return self.call(dict(zip(signature.parameters, map(path_in, given), strict=True)))
+                return self.call(dict(zip(self._names, map(path_in, given), strict=True)))
             except GeoTLMError as error:
                 title = {"title": BUSY_TITLE} if isinstance(error, Busy) else {}
                 raise gradio().Error(str(error), print_exception=False, **title) from error
 
+        hints["return"] = get_type_hints(self.function)["return"]
         typed = [
-            parameter.replace(annotation=hints[name])
-            for name, parameter in signature.parameters.items()
+            parameter.replace(annotation=hints[name], kind=parameter.POSITIONAL_OR_KEYWORD)
+            for name, parameter in inspect.signature(self.parameters).parameters.items()
         ]
         call.__signature__ = inspect.Signature(typed, return_annotation=hints["return"])
         call.__annotations__, call.__name__, call.__doc__ = hints, self.name, self.description

@@ -7,13 +7,12 @@ and it stands in line again. So a question waits for a slice of each recording, 
 from __future__ import annotations
 
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
 from contextvars import ContextVar
 from queue import SimpleQueue
-from threading import Event, Lock, Thread
+from threading import Condition, Event, Lock, Thread
 from typing import TYPE_CHECKING, Any
 
 from geotlm_lm import GeoTLMError
@@ -39,59 +38,43 @@ class Turns:
 
     def __init__(self, report: Report = lambda *_: None, slice_s: float = SLICE_S) -> None:
         self.report, self.slice_s = report, slice_s
-        self._lock = Lock()
-        self._line: deque[Event] = deque()
-        self._is_taken = False
+        self._line: list[Turn] = []  # the first one holds the lock
+        self._changed = Condition()
 
     @contextmanager
     def turn(self) -> Iterator[Turn]:
         """Wait for a turn, and hold it."""
-        self.take()
         turn = Turn(self)
         try:
+            self.enter(turn)
             yield turn
         finally:
-            if turn.is_held:
-                self.give()
+            self.leave(turn)
 
     @property
     def waiting(self) -> int:
         """How many stand in line."""
-        return len(self._line)
+        return max(len(self._line) - 1, 0)
 
-    def take(self) -> None:
-        """Wait until it is this thread's turn."""
-        mine = Event()
-        with self._lock:
-            if not self._is_taken:
-                self._is_taken = True
-                return
-            self._line.append(mine)
-        try:
-            while not mine.wait(REPORTED_EVERY_S):
-                with self._lock:
-                    before = self._line.index(mine) + 1 if mine in self._line else 0
-                if before:
-                    self.report(f"waiting for the model, {before} before you", 0, before)
-        except BaseException:
-            self._leave(mine)
-            raise
+    def enter(self, turn: Turn) -> None:
+        """Stand in line, and wait until this is the first."""
+        with self._changed:
+            self._line.append(turn)
+        while before := self._before(turn):
+            self.report(f"waiting for the model, {before} before you", 0, before)
 
-    def give(self) -> None:
-        """Hand the turn to the first in line; no other can slip in between."""
-        with self._lock:
-            if self._line:
-                self._line.popleft().set()
-            else:
-                self._is_taken = False
+    def _before(self, turn: Turn) -> int:
+        """Wait for a while, and return how many are still before a turn."""
+        with self._changed:
+            self._changed.wait_for(lambda: self._line[0] is turn, REPORTED_EVERY_S)
+            return self._line.index(turn)
 
-    def _leave(self, mine: Event) -> None:
-        """Stand in line no more; a turn that came in the meantime goes to the next."""
-        with self._lock:
-            if is_waiting := mine in self._line:
-                self._line.remove(mine)
-        if not is_waiting:
-            self.give()
+    def leave(self, turn: Turn) -> None:
+        """Stand in line no more; no other can slip in before the next."""
+        with self._changed:
+            if turn in self._line:
+                self._line.remove(turn)
+            self._changed.notify_all()
 
 
 class Turn:
@@ -99,7 +82,6 @@ class Turn:
 
     def __init__(self, turns: Turns) -> None:
         self._turns = turns
-        self.is_held = True  # not while others go first, nor if the wait for them failed
         self._since_s = self._reported_s = time.monotonic()
 
     def progress(self, what: str, done: int, total: int) -> None:
@@ -109,10 +91,8 @@ class Turn:
             self._reported_s = now_s
             self._turns.report(what, done, total)
         if self._turns.waiting and now_s - self._since_s >= self._turns.slice_s:
-            self.is_held = False
-            self._turns.give()
-            self._turns.take()
-            self.is_held = True
+            self._turns.leave(self)
+            self._turns.enter(self)
             self._since_s = time.monotonic()
 
 

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import torch
 
+from app.clips import perceive, read_named, span_of
 from geotlm_lm import Answerer, Motion
 from geotlm_lm.answering import Encoded
 from geotlm_lm.answering.encoded import with_background
@@ -102,3 +103,8 @@ def clip(level):
 def in_message(stored):
     """Return a file as it travels inside a message."""
     return "data:;base64," + base64.b64encode(stored).decode()
+
+
+def load_clip(answerer, path, first=None, last=None, topic=None):
+    """Return what lies at a path, perceived as the page does, whole or from first to last frame."""
+    return perceive(answerer, read_named(path, topic), span=span_of(first, last))

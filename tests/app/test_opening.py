@@ -6,14 +6,15 @@ import io
 import json
 import re
 import shlex
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import parse_qs
 
 import numpy as np
 import pytest
 
-from app.clips import perceive
-from app.opening import FIRST, Opening, Source, examples, offered, saved
+from app.clips import Source, perceive
+from app.opening import FIRST, Opening, examples, offered, saved
 from app.sources import EXAMPLE_FOLDER as FOLDER
 from app.sources import RECORDING_FOLDER
 from app.talking import Talking
@@ -82,6 +83,10 @@ def test_a_link_opens_its_example_and_a_wrong_one_nothing(talked):
         next(steps)
 
 
+def named(shown, name, example=None):
+    return replace(shown, source=Source("", name, example))
+
+
 def content(file):
     return base64.b64decode(file["content"])
 
@@ -96,57 +101,57 @@ def talked():
 
 
 def test_only_what_there_is_can_be_saved(tracked, talked):  # noqa: F811
-    assert offered(None, None) == {"kinds": []}
-    assert offered(tracked, None)["kinds"] == ["track.csv", "track.json", "track.png"]
-    assert offered(talked, "cap")["kinds"] == ["talk.txt", "talk.json", "link"]
+    assert offered(None) == {"kinds": []}
+    assert offered(tracked)["kinds"] == ["track.csv", "track.json", "track.png"]
+    assert offered(named(talked, "cap", "cap"))["kinds"] == ["talk.txt", "talk.json", "link"]
     with pytest.raises(GeoTLMError, match="^There is nothing of this kind to save; open a"):
-        saved("track.csv", talked, Source("", "cap"))
+        saved("track.csv", talked)
 
 
 def test_the_track_is_saved_frame_by_frame(tracked):  # noqa: F811
-    file = saved("track.csv", tracked, Source("", "my key.npz"))
+    file = saved("track.csv", named(tracked, "my key.npz"))
     assert (file["name"], file["mime"]) == ("my_key_track.csv", "text/csv")
     rows = list(csv.DictReader(io.StringIO(content(file).decode())))
     assert len(rows) == 40
     assert float(rows[25]["time_s"]) == 1.0
-    told = json.loads(content(saved("track.json", tracked, Source("", "my key.npz"))))
+    told = json.loads(content(saved("track.json", named(tracked, "my key.npz"))))
     assert told["made_by"]["recording"] == "my key.npz"
     assert len(told["events"]) == len(tracked.encoded.track.events)
     pytest.importorskip("matplotlib", reason="the plot needs matplotlib (extra: track)")
-    assert content(saved("track.png", tracked, Source("", "key"))).startswith(b"\x89PNG")
+    assert content(saved("track.png", tracked)).startswith(b"\x89PNG")
 
 
 def test_the_conversation_is_saved_in_words_and_whole(talked):
-    (turn,) = json.loads(content(saved("talk.json", talked, Source("", "cap"))))
+    (turn,) = json.loads(content(saved("talk.json", talked)))
     assert turn["question"] == "Which & way?"
-    said = content(saved("talk.txt", talked, Source("", "cap"))).decode()
+    said = content(saved("talk.txt", talked)).decode()
     assert said == f"Which & way?\n{turn['answer']['text']}\n"
 
 
 def test_a_link_names_the_example_and_the_last_question(talked):
-    link = saved("link", talked, Source("", "cap", "bottle_cap"))["link"]
+    link = saved("link", named(talked, "cap", "bottle_cap"))["link"]
     assert parse_qs(link.removeprefix("?")) == {"example": ["bottle_cap"], "q": ["Which & way?"]}
 
 
 def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked, recordings):  # noqa: F811
     talking = Talking(FakeAnswerer())
-    opening, source = Opening(talking.answerer, talking), Source("", "cap")
-    before = ([], None, tracked, source)
-    (choosing,) = opening.compare(tracked)
-    assert choosing == {"is_comparing": True, "stage_second": {"chooses": True}}
-    *_, opened = opening.upload([str(recordings["dark"])], *before, True)
+    opening = Opening(talking.answerer, talking)
+    (choosing,) = opening.compare(named(tracked, "cap"))
+    assert choosing["stage_second"] == {"chooses": True}
+    before = ([], None, choosing["shown"])
+    *_, opened = opening.upload([str(recordings["dark"])], *before)
     assert opened["stage"]["name"] == "cap"
     assert opened["stage_second"]["name"] == "dark.npy"
     assert opened["stage"]["scale"] == opened["stage_second"]["scale"]
     assert "Which turned further?" in opened["chips"]
     both = opened["shown"]
-    *_, answered = talking.ask("Do they go the same way?", both, source, [], None)
+    *_, answered = talking.ask("Do they go the same way?", both, [], None)
     assert answered["chat"]["exchanges"][-1]["answer"].startswith("No: the first ")
     assert [row[0] for row in answered["evidence"]["verdicts"]] == ["first", "second"]
     assert "talk.add_clip(answerer.encode(read_clip('dark.npy')))" in answered["code"]
-    *_, forgotten = talking.forget(both, source, [])
+    *_, forgotten = talking.forget(both, [])
     assert len(forgotten["shown"].session.clips) == 2
-    *_, closed = opening.close_second(both, source)
+    *_, closed = opening.close_second(both)
     assert (closed["stage_second"], closed["shown"].second) == ({}, None)
     assert "scale" not in closed["stage"]
     assert len(closed["shown"].session.clips) == len(closed["shown"].session.history) == 1
@@ -154,7 +159,7 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
 
 def test_a_second_recording_that_fails_leaves_the_first_open(tracked, tmp_path):  # noqa: F811
     (tmp_path / "broken.npy").write_bytes(b"no recording")
-    before = ([], None, tracked, Source("", "cap"), True)
+    before = ([], None, replace(tracked, is_paired=True))
     steps = Opening(FakeAnswerer()).upload([str(tmp_path / "broken.npy")], *before)
     assert next(steps)["stage_second"] == {"chooses": True}
     with pytest.raises(GeoTLMError):

@@ -10,15 +10,13 @@ from types import SimpleNamespace
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-pytest.importorskip("fcntl", reason="folders are locked where the system can")
 
 from gradio.state_holder import SessionState  # noqa: E402
 
 from app import sessions  # noqa: E402
 from app.__main__ import PREFIX, VARIABLE, own_cache_folder  # noqa: E402
-from app.clips import load_clip  # noqa: E402
 from app.sessions import LightSession, LightSessions, SessionFiles, remove_seen  # noqa: E402
-from tests.app.fakes import FakeAnswerer  # noqa: E402
+from tests.app.fakes import FakeAnswerer, load_clip  # noqa: E402
 
 
 def test_a_session_shows_what_the_toolkits_own_does(page):

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from app import stage
-from app.clips import load_clip, perceive
+from app.clips import perceive
 from app.pictures import PACKS
 from app.sources import EXAMPLES
 from geotlm_lm import Exported, FrameSpec, Units
 from geotlm_lm.core.clip import Clip
-from tests.app.fakes import FakeAnswerer
+from tests.app.fakes import FakeAnswerer, load_clip
 
 
 def clip_of(count, rows=48, columns=64, fps=None):

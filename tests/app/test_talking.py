@@ -1,6 +1,7 @@
 """What the page shows when a question is asked: answer, evidence, facts, code, errors."""
 
 import sys
+from dataclasses import replace
 from itertools import product
 from types import SimpleNamespace
 
@@ -9,14 +10,14 @@ import pytest
 
 from app import conversation as facts
 from app import ui
-from app.clips import load_clip, perceive
+from app.clips import Source, perceive
 from app.conversation import fields_of, suggested
-from app.opening import FIRST, Source, examples
+from app.opening import FIRST, examples
 from app.talking import Talking, code_of
 from app.toolkit import COMPLAINT, filling
 from geotlm_lm import FrameSpec, GeoTLMError
 from geotlm_lm.core.errors import MissingDependency
-from tests.app.fakes import FakeAnswerer
+from tests.app.fakes import FakeAnswerer, load_clip
 from tests.app.test_stage import clip_of, tracked  # noqa: F401
 
 
@@ -31,11 +32,11 @@ class Talk:
 
     def __init__(self, path):
         self.answerer = FakeAnswerer()
-        self.shown, self.source = load_clip(self.answerer, path), Source(path, "clip.npy")
+        self.shown = replace(load_clip(self.answerer, path), source=Source(path, "clip.npy"))
         self.talking, self.last = Talking(self.answerer), None
 
     def ask(self, question, checked=(), mm_per_px=None):
-        given = (question, self.shown, self.source, list(checked), mm_per_px)
+        given = (question, self.shown, list(checked), mm_per_px)
         pending, values = self.talking.ask(*given)
         assert pending["chat"]["pending"] == question
         assert values["chat"]["pending"] is None
@@ -134,14 +135,14 @@ def test_a_question_is_asked_again_as_it_was_typed(talk):
     talk.ask(QUESTION)
     assert talk.last["question"] == QUESTION
     talk.shown.session.take_back = SimpleNamespace(call=asked.append).call
-    *_, again = talk.talking.again(talk.shown, talk.source, [], None)
+    *_, again = talk.talking.again(talk.shown, [], None)
     assert asked == [QUESTION]
     assert again["chat"]["exchanges"][-1]["question"] == QUESTION
     assert "question" not in again  # what is being typed stays
 
 
 def test_a_question_that_is_refused_comes_back_to_its_field(talk):
-    asked = talk.talking.ask(" ", talk.shown, talk.source, [], None)
+    asked = talk.talking.ask(" ", talk.shown, [], None)
     assert next(asked)["chat"]["pending"] == " "
     refused = next(asked)
     assert (refused["question"], refused["chat"]["pending"]) == (" ", None)
@@ -151,7 +152,8 @@ def test_a_question_that_is_refused_comes_back_to_its_field(talk):
 
 def test_the_code_of_a_conversation_gives_its_answers(tmp_path, monkeypatch, capsys):
     talk = Talk(saved(tmp_path, "my 'clip'.npy"))
-    talk.source = Source([talk.source.path], "my 'clip'.npy", span=(0, 9))
+    source = Source([talk.shown.source.path], "my 'clip'.npy", span=(0, 9))
+    talk.shown = replace(talk.shown, source=source)
     questions = ["Which way?", "I look from the object's side.", "Which way?"]
     answers, checked = [], [facts.MIRRORED]
     for question in questions:
@@ -168,15 +170,20 @@ def test_the_code_of_a_conversation_gives_its_answers(tmp_path, monkeypatch, cap
 
 
 def test_the_code_names_an_example_and_a_topic():
-    shown = SimpleNamespace(second=None, session=SimpleNamespace(frame=FrameSpec()))
-    code = code_of(examples()["coin"], ["Which way?"], shown)
-    assert "read_clip('app/examples/coin_press.npz')\n" in code
-    bag = Source(["/tmp/x/run.mcap"], "run.mcap", topic="/left")
-    assert "read_clip('run.mcap', topic='/left')\n" in code_of(bag, ["Which way?"], shown)
+    session = SimpleNamespace(frame=FrameSpec(), history=[SimpleNamespace(question="Which way?")])
+    example, bag = (
+        code_of(SimpleNamespace(second=None, session=session, source=source))
+        for source in (
+            examples()["coin"],
+            Source(["/tmp/x/run.mcap"], "run.mcap", topic="/left"),
+        )
+    )
+    assert "read_clip('app/examples/coin_press.npz')\n" in example
+    assert "read_clip('run.mcap', topic='/left')\n" in bag
 
 
 def test_a_question_without_a_clip_is_refused():
-    asked = Talking(FakeAnswerer()).ask("Which way?", None, None, [], None)
+    asked = Talking(FakeAnswerer()).ask("Which way?", None, [], None)
     with pytest.raises(GeoTLMError, match="^No recording is open; open one first.$"):
         next(asked)
 

@@ -5,7 +5,6 @@ import pytest
 
 from app import schema as p
 from app.api import Api, summary_of
-from app.schema import frame_of
 from app.tools import OUR_FAULT, Tool
 from geotlm_lm import GeoTLMError
 from geotlm_lm.simulation.touch import RANGES
@@ -71,7 +70,7 @@ def track(recording):
 
 
 def summary(track, recording, rows=0, **facts):
-    return summary_of(track, recording, frame_of(**facts), rows)
+    return summary_of(track, recording, p.Frame(**facts).spec, rows)
 
 
 def ways(result):
