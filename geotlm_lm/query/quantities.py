@@ -173,6 +173,8 @@ def _value(figure: str) -> float | None:
         top = top.replace(",", "")
     try:
         value = _bounded(float(top.replace(",", ".")))
+        if bottom and not value:  # "0/1" are two
+            return None
         return _bounded(value / _bounded(float(bottom))) if bottom else value
     except (ValueError, ZeroDivisionError):
         return None
@@ -189,8 +191,7 @@ def _words_at(text: str, at: int) -> Stated | None:
     if value is None:
         return None
     unit, last = _unit_at(text, end, may_join=True)
-    nouns = words_of_text()["second"]["nouns"] if text[end:last].strip() == "second" else ()
-    if _next_word(text, last)[0] in nouns:  # "a second time"
+    if _is_ordinal(text, at, end, last) or text[end:last].lower().split() == ["of", "us"]:
         return None
     if unit:
         return Stated(Quantity(value, unit), at, last)
@@ -211,6 +212,15 @@ def _words_at(text: str, at: int) -> Stated | None:
         if (figure and figure.quantity.unit) or (other is not None and has_unit):
             return Stated(Quantity(value, ""), at, end)
     return None
+
+
+def _is_ordinal(text: str, at: int, end: int, last: int) -> bool:
+    """Tell whether number words with their unit count things: "a second time", "the third turn"."""
+    ordinals, unit = words_of_text()["ordinals"], text[end:last].strip()
+    if unit == "second":
+        return _next_word(text, last)[0] in ordinals["nouns"]
+    is_share = _next_word(text, end)[0] == "of"
+    return not is_share and text[at:end].lower().removeprefix("a ") in ordinals["shares"]
 
 
 def _spoken(text: str, at: int) -> tuple[float | None, int]:
