@@ -12,7 +12,7 @@ from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.written import worded
+from geotlm_lm.query.written import guessed, worded
 from tests.query.programs import (
     RECORDING,
     certain,
@@ -164,6 +164,21 @@ def test_the_length_of_the_contact_leaves_out_what_lies_between_touches():
     contact = ((frames <= 25) | (frames >= 75)).astype(float)
     clip = of_track(moving_track(twists, events, contact=contact, frame_size=(240, 320)))
     assert told("length contact", clip) == "2 s."
+
+
+def test_a_story_tells_how_much_it_leaves_out():
+    twists = np.zeros((121, 4))
+    turns = [happened("turn", 24 * k, 24 * k + 12, turn=20.0 + k) for k in range(5)]
+    for k, event in enumerate(turns):
+        twists[event.begin + 1 : event.end + 1, 0] = (20.0 + k) / 12
+    clip = of_track(moving_track(twists, turns, frame_size=(240, 320)))
+    for line in ("story", "way turn"):
+        assert told(line, clip).endswith("; and 2 more turns.")
+
+
+def test_what_is_unlikely_is_no_guess():
+    assert guessed("It turns.", 0.4) == "I cannot tell for sure, 40%: it turns."
+    assert "turns" not in guessed("It turns.", 0.001)
 
 
 def test_no_is_told_with_what_is_so_instead():
