@@ -329,6 +329,10 @@ def _moved(teller: Teller, value: Moved) -> str:
     if value.tightens is not None:
         return f"it {'tightens' if value.tightens else 'loosens'}: {_clause(teller, value)}"
     parts = _one_after_another(value) if head.word in ("way", "extent") else []
+    if value.of.word == "at":  # what goes on then, from when to when
+        parts = [each for each in value.shown if each.kind in MOVING]
+        if not parts and value.denied:
+            return f"{_clause(teller, value)} at that moment"
     if head.arguments == ("thread",) and value.movements and not value.denied:
         how = _story(teller, value, parts) if parts else _clause(teller, value)
         return f"it tightens and loosens, one after the other: {how}"
