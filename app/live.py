@@ -145,7 +145,8 @@ class LiveStream:
         if self.is_over:
             window = [0.0, self._now_s or FIRST_WINDOW_S]  # of a single frame
         shows_notes = self.is_over or self._now_s > NOTES_FROM_S
-        learnt = "idle gel learnt" if idle is not None else "learning the idle gel"
+        learnt = "no untouched gel seen yet" if shows_notes else "learning the idle gel"
+        learnt = learnt if idle is None else "idle gel learnt"
         return {
             "stream": self.key,
             "live": not self.is_over,

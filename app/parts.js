@@ -99,7 +99,10 @@ const parts = {
   examples() {
     element.addEventListener("click", (event) => {
       const chosen = event.target.closest("button");
-      if (chosen) trigger("click", { example: chosen.dataset.example });
+      if (!chosen) return;
+      trigger("click", { example: chosen.dataset.example });
+      const stage = element.closest(".tabitem").querySelector(".stage");
+      if (stage.getBoundingClientRect().top < 0) stage.scrollIntoView();
     });
   },
 

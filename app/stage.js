@@ -251,8 +251,9 @@ function resultText() {
   const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
   const going = begun.filter((event) => event.end >= now);
   const unit = data.unit === "s" ? " s" : "", digits = data.unit === "s" ? 2 : 0;
-  const words = (event) => [event.text, `${data.unit === "s" ? "" : "frames "}${+event.begin.toFixed(digits)} to ${+event.end.toFixed(digits)}${unit}`, event.span].filter(Boolean).join(", ");
-  return (going.length ? going : begun.slice(-1)).map(words).join(" · ");
+  const times = (event) => `${data.unit === "s" ? "" : "frames "}${+event.begin.toFixed(digits)} to ${+event.end.toFixed(digits)}${unit}`;
+  const words = (event) => `${event.text}${event.span && ` (${event.span})`}, ${times(event)}`;
+  return going.length ? going.map(words).join(" · ") : begun.slice(-1).map((event) => `last: ${words(event)}`).join("");
 }
 
 function go(place) {
@@ -339,16 +340,24 @@ document.addEventListener("seek", (event) => {
 });
 
 const tip = part("tip"), time = part("time");
+let movedFrom = null; // where the shown part was taken hold of
 const toPlace = (event) => timeline.valueAt(event.clientX - time.getBoundingClientRect().left);
 time.addEventListener("pointerdown", (event) => {
   if (!data) return;
   time.setPointerCapture(event.pointerId);
-  seek(nearest(data.x, toPlace(event)));
+  // Below the rows the part that is shown is moved, on them the moment.
+  const below = event.clientY - time.getBoundingClientRect().top > timeline.height - AXIS;
+  movedFrom = timeline.view && below ? event.clientX : null;
+  if (movedFrom === null) seek(nearest(data.x, toPlace(event)));
 });
 time.addEventListener("pointermove", (event) => {
   if (!data) return;
   const value = toPlace(event);
-  if (time.hasPointerCapture(event.pointerId)) seek(nearest(data.x, value));
+  if (time.hasPointerCapture(event.pointerId)) {
+    if (movedFrom === null) seek(nearest(data.x, value));
+    else timeline.pan(((event.clientX - movedFrom) / timeline.width) * (timeline.whole[1] - timeline.whole[0]));
+    movedFrom &&= event.clientX;
+  }
   if (!data.timeline) return;
   tip.textContent = timeline.textAt(value);
   tip.hidden = false;

@@ -330,7 +330,7 @@ def _event(band: Any, axis_unit: str) -> dict[str, Any]:
         "text": text.get(event.kind.value, f"{event.kind.value} {far}").strip(),
         "begin": round(float(begin), 4),
         "end": round(float(end), 4),
-        "span": f"{_figure(band.low)} to {_figure(band.high)}" if unit else "",
+        "span": f"{_figure(band.low)} to {_figure(band.high, unit)}" if unit else "",
         "sure": round(100 * event.probability),
     }
 

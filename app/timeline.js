@@ -2,7 +2,7 @@
 // with its spans. Where the pointer stands is put into words by `textAt`.
 
 const SVG = "http://www.w3.org/2000/svg";
-const LEFT = 64, RIGHT = 10, STRIP = 16, GAP = 5, AXIS = 18;
+const LEFT = 64, RIGHT = 10, STRIP = 16, GAP = 5, AXIS = 22;
 const CURVE = { contact: 16, turn: 44, slide: 44, grip: 0 };
 
 function svg(name, attributes, text) {
@@ -136,7 +136,7 @@ class Timeline {
     const width = Math.max(to - from, 3);
     const group = svg("g", { class: `event ${event.kind}` });
     group.append(svg("rect", { x: from, y, width, height: STRIP, rx: 3 }));
-    const label = [event.text, event.text.match(/[0-9.]+.*/)?.[0]].find((text) => text && width > 6.2 * text.length + 6);
+    const label = [event.text, inShort(event.text), inShort(event.text)[0]].find((text) => text && width > 6.2 * text.length + 6);
     if (label) group.append(svg("text", { x: from + 4, y: y + 12 }, label));
     this.root.append(group);
   }
@@ -214,7 +214,7 @@ class Timeline {
       this.text(isNarrow ? 2 : LEFT + wide + 12, y + (isNarrow ? 37 : 16), `${row.text}${sure}`, row.moves ? "claim" : "quiet");
     });
     const below = step.rows.length * tall + 4;
-    if (hasTruth) this.text(LEFT, below + 12, "● read, bar: nine tenths    ◇ true", "tick");
+    if (hasTruth) this.text(LEFT, below + 12, "● read, bar: 90 % range    ◇ true", "tick");
     return Math.max(below + 16 * hasTruth, 40);
   }
 
@@ -232,8 +232,8 @@ class Timeline {
     if (!this.view) return;
     const [low, high] = this.whole, wide = this.width - LEFT - RIGHT, share = (value) => (value - low) / (high - low);
     const at = { x: LEFT + share(first) * wide, width: Math.max((share(last) - share(first)) * wide, 12), rx: 2 };
-    this.root.append(svg("rect", { class: "all", x: LEFT, y: top + 14, width: wide, height: 4, rx: 2 }));
-    this.root.append(svg("rect", { class: "part", y: top + 14, height: 4, ...at }));
+    this.root.append(svg("rect", { class: "all", x: LEFT, y: top + 14, width: wide, height: 6, rx: 2 }));
+    this.root.append(svg("rect", { class: "part", y: top + 14, height: 6, ...at }));
   }
 
   text(x, y, words, kind, anchor) {
@@ -270,7 +270,7 @@ class Timeline {
       for (const curve of curves) {
         const spread = curve.spread ? ` ± ${+curve.spread[k].toPrecision(2)}` : "";
         if (name === "contact") lines.push(`contact ${Math.round(100 * curve.mean[k])} %`);
-        else lines.push(`${name === "turn" ? "turned" : curve.name === "right" ? "across" : "up or down"} ${along(curve.name, curve.mean[k], of) || `0${of}`}${spread}`);
+        else lines.push(`${name === "turn" ? "turned" : curve.name === "right" ? "sideways" : "vertically"} ${along(curve.name, curve.mean[k], of) || `0${of}`}${spread}`);
       }
     }
     for (const event of this.eventsAt(value)) {
@@ -279,6 +279,14 @@ class Timeline {
     }
     return lines.join("\n");
   }
+}
+
+const GLYPHS = { counterclockwise: "↺", clockwise: "↻", left: "←", right: "→", up: "↑", down: "↓" };
+
+// An event's way as a sign and how far it goes, where there is no room for the words.
+function inShort(text) {
+  const way = Object.keys(GLYPHS).find((each) => text.includes(each));
+  return way ? `${GLYPHS[way]} ${text.match(/[0-9.]+°?/)?.[0] || ""}` : "";
 }
 
 function nearest(values, wanted) {

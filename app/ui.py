@@ -139,6 +139,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         theme=theme(),
         css_paths=STYLES,
         footer_links=[],
+        i18n=gradio().I18n(en={"common.upload": "Upload"}),  # a key that the toolkit lacks
         mcp_server=False,
         app_kwargs=served,
     )

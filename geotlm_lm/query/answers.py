@@ -197,14 +197,16 @@ def _motion_of(components: tuple[Component, ...], context: Context) -> Moved | N
 def _amount(expression: Expression, context: Context) -> Value:
     numbers = evaluate(expression, context)
     inner, inside = _placed(expression, context)
-    components = tuple(context.trace.components)
-    motion = moved(inside, components) if components else None
-    measure = p.measure_of(inner)
-    at_rest = None if motion is None else _at_rest(inner, motion, components, inside)
+    components, measure = tuple(context.trace.components), p.measure_of(inner)
+    until = inside
+    if inside.now is not None and measure.word in _UP_TO:
+        until = inside.within(inside.span[0], inside.now)
+    motion = moved(until, components) if components else None
+    at_rest = None if motion is None else _at_rest(inner, motion, components, until)
     if at_rest is not None:
         return replace(at_rest, of=expression)
     middle(context, numbers.values)
-    amount, right = spread(numbers, _moving(inside, components), context)
+    amount, right = spread(numbers, _moving(until, components), context)
     rounded = next((each.arguments[0] for each in expression if each.word == "round"), None)
     if rounded is not None:
         amount = replace(amount, decimals=int(rounded), is_padded=True)
@@ -218,9 +220,13 @@ def _amount(expression: Expression, context: Context) -> Value:
         at_s = middle(inside, evaluate(of(f"{most}-time", *of_what), inside))
     return Amount(
         of=expression, amount=amount, probability=right, motion=motion, at_s=at_s,
-        both=tuple(_both_ways(measure, motion, inside)),
-        edit=inside.view, shown=shown_in(inside, components or COMPONENTS),
+        both=tuple(_both_ways(measure, motion, until)),
+        edit=inside.view, shown=shown_in(until, components or COMPONENTS),
     )  # fmt: skip
+
+
+_UP_TO = ("amount", "net", "path")
+"""What of a moment is how far it went until then; of a speed it is the moment's own."""
 
 
 def _at_rest(

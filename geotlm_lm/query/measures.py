@@ -153,6 +153,17 @@ def _parts(context: Context, component: Component) -> Iterator[tuple[Happening, 
             yield happening, happening.is_real & goes_on, np.ones(())
 
 
+def going_on(context: Context, component: Component) -> tuple[Floats, Floats]:
+    """Return the motion of a component that goes on at a moment, from its begin to its end, twice.
+
+    Both are (COUNT, 4), as `net`'s are.
+    """
+    total = np.zeros((COUNT, 4))
+    for happening, is_so, _ in _parts(context, component):
+        total = total + np.where(is_so[..., None], happening.twist, 0.0)
+    return total, np.abs(total)
+
+
 def _moves(context: Context, component: Component) -> Floats:
     moves = np.zeros(COUNT, bool)
     for _, is_so, _ in _parts(context, component):

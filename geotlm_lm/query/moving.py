@@ -27,7 +27,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import ASLANT, holds, measured, net
+from geotlm_lm.query.measures import ASLANT, going_on, holds, measured, net
 from geotlm_lm.query.program import ATOM_OF, AXIS, UNITS, of
 from geotlm_lm.query.values import (
     Measure,
@@ -130,7 +130,8 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     moves = holds(context, component.value)
     if moves.mean() < 0.5:
         return None
-    twist, whole_twist = (np.broadcast_to(each, (COUNT, 4)) for each in net(context, component))
+    going = net if context.now is None else going_on
+    twist, whole_twist = (np.broadcast_to(each, (COUNT, 4)) for each in going(context, component))
     # How far it goes each way on the mean; of two ways the rarer does not cancel the other.
     axes = {way: AXIS[ATOM_OF[way]] for way in WAYS[component]}
     along = {way: np.maximum(twist[moves] @ axis, 0).mean() for way, axis in axes.items()}
@@ -171,7 +172,10 @@ def _ends(context: Context, component: Component) -> tuple[float, float] | None:
     """Return from when to when a component moves in the span."""
     if not context.worlds.is_timed:
         return None
-    begin, end = (middle(context, each) for each in context.span)
+    if context.now is not None:
+        begin, end = 2 * (middle(context, np.asarray(context.now)),)
+    else:
+        begin, end = (middle(context, each) for each in context.span)
     inside = [
         (max(each.begin_s, begin), min(each.end_s, end))
         for each in context.worlds.motions(component)
@@ -183,7 +187,7 @@ def _ends(context: Context, component: Component) -> tuple[float, float] | None:
 def _limits(context: Context, denied: tuple[Component, ...], *, is_at_rest: bool):
     """Return how far what does not move would have to go to be seen."""
     belief, recording = context.worlds.belief, context.evidence.recording
-    if not belief.limits:
+    if not belief.limits or context.now is not None:  # a moment is no way
         return ()
     if context.begin is not None and context.worlds.track is not None:
         belief = replace(belief, limits=_limits_within(context) or belief.limits)
@@ -272,9 +276,12 @@ def story_of(context: Context, components: tuple[Component, ...] = COMPONENTS) -
     """Return all that likely happens in the span, by when it begins; motions of some components."""
     if not context.worlds.is_timed:
         return ()
-    begin, end = (middle(context, each) for each in context.span)
     likely = [each for each in context.worlds.happenings if each.probability >= 0.5]
     own = [each for each in likely if each.component in (None, *components)]
+    if context.now is not None:
+        now = middle(context, np.asarray(context.now))
+        return tuple(shown(context, each) for each in own if each.begin_s <= now <= each.end_s)
+    begin, end = (middle(context, each) for each in context.span)
     inside = [each for each in own if each.end_s >= begin and each.begin_s <= end]
     parts = [(each, clipped(each, begin, end)) for each in inside]
     # What only touches the span's border lies outside; what happens at one moment has no length.

@@ -316,7 +316,8 @@ def _times(teller: Teller, value: Times) -> str:
 def _moved(teller: Teller, value: Moved) -> str:
     head = head_of(value.of)
     if head.word == "story":
-        return _story(teller, value, _most(value.shown, MOST_TOLD)) or _clause(teller, value)
+        kept = _most(value.shown, MOST_TOLD)
+        return _story(teller, value, kept, value.shown) or _clause(teller, value)
     if head.word == "kind":
         return _kind(teller, value)
     if head.word == "sure":
@@ -328,10 +329,16 @@ def _moved(teller: Teller, value: Moved) -> str:
     if value.tightens is not None:
         return f"it {'tightens' if value.tightens else 'loosens'}: {_clause(teller, value)}"
     parts = _one_after_another(value) if head.word in ("way", "extent") else []
+    if value.of.word == "at":  # what goes on then, from when to when
+        parts = [each for each in value.shown if each.kind in MOVING]
+        if not parts and value.denied:
+            return f"{_clause(teller, value)} at that moment"
     if head.arguments == ("thread",) and value.movements and not value.denied:
         how = _story(teller, value, parts) if parts else _clause(teller, value)
         return f"it tightens and loosens, one after the other: {how}"
-    return _clause(teller, value) if value.edit.undo or not parts else _story(teller, value, parts)
+    if value.edit.undo or not parts:
+        return _clause(teller, value)
+    return _story(teller, value, parts, value.shown)
 
 
 def _kind(teller: Teller, value: Moved) -> str:
@@ -357,8 +364,8 @@ def _most(shown: Sequence[Shown], count: int) -> list[Shown]:
     return [each for each in shown if each in kept]
 
 
-def _story(teller: Teller, value: Value, shown: Sequence[Shown]) -> str:
-    """Return events one after another, and the frame where a way is named."""
+def _story(teller: Teller, value: Value, shown: Sequence[Shown], of: Sequence[Shown] = ()) -> str:
+    """Return events one after another, the frame where a way is named, and how many more moved."""
     if not shown:
         return ""
     shown = sorted(shown, key=_told_at)
@@ -368,7 +375,17 @@ def _story(teller: Teller, value: Value, shown: Sequence[Shown]) -> str:
         is_same = before.kind is each.kind and each.kind in MOVING
         text += f", {event.partition(' ')[2]}" if is_same else f"; {event}"
     ways = [each.way for each in shown if each.kind in MOVING]
-    return text + teller.where(value, ways)
+    return text + teller.where(value, ways) + _left_out(shown, of)
+
+
+def _left_out(shown: Sequence[Shown], of: Sequence[Shown]) -> str:
+    """Return how many turns and slides a story leaves out: "; and 19 more turns"."""
+    counts = [
+        (kind, sum(each.kind is kind for each in of) - sum(each.kind is kind for each in shown))
+        for kind in MOVING
+    ]
+    more = [f"{count} more {kind.value}{'s' * (count > 1)}" for kind, count in counts if count > 0]
+    return f"; and {joined(more)}" if more else ""
 
 
 def _told_at(shown: Shown) -> float:

@@ -67,8 +67,14 @@ def worded(
     return Wording(" ".join(texts), named)
 
 
+LEAST_GUESS = 0.05
+"""Probability below which an answer is no guess."""
+
+
 def guessed(text: str, chance: float) -> str:
-    """Return an answer as the guess that it is."""
+    """Return an answer as the guess that it is; one that is no more than possible is not given."""
+    if chance < LEAST_GUESS:
+        return "I cannot tell for sure, nor is any answer likely."
     return f"I cannot tell for sure, {chance:.0%}: {text[:1].lower()}{text[1:]}"
 
 

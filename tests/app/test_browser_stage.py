@@ -117,7 +117,8 @@ def test_the_page_opens_with_a_recording_that_is_asked_about(browser):
     browser.run("document.querySelector('.stage [data-part=play]').click()")
     result = "document.querySelector('.stage-result').innerText"
     browser.run("document.dispatchEvent(new CustomEvent('seek', {detail: 1.9}))")
-    assert browser.run(f"/^clockwise [0-9]+°, [0-9.]+ to [0-9.]+ s, /.test({result})")
+    line = r"/^clockwise \d+° .\d+ to \d+°., [0-9.]+ to [0-9.]+ s$/"
+    assert browser.run(f"{line}.test({result})")
     assert browser.run(FRAME) == pytest.approx(1.9 * 25, abs=1)
 
 

@@ -12,7 +12,7 @@ from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.written import worded
+from geotlm_lm.query.written import guessed, worded
 from tests.query.programs import (
     RECORDING,
     certain,
@@ -183,6 +183,39 @@ def test_the_length_of_the_contact_leaves_out_what_lies_between_touches():
     contact = ((frames <= 25) | (frames >= 75)).astype(float)
     clip = of_track(moving_track(twists, events, contact=contact, frame_size=(240, 320)))
     assert told("length contact", clip) == "2 s."
+
+
+def test_a_story_tells_how_much_it_leaves_out():
+    twists = np.zeros((121, 4))
+    turns = [happened("turn", 24 * k, 24 * k + 12, turn=20.0 + k) for k in range(5)]
+    for k, event in enumerate(turns):
+        twists[event.begin + 1 : event.end + 1, 0] = (20.0 + k) / 12
+    clip = of_track(moving_track(twists, turns, frame_size=(240, 320)))
+    for line in ("story", "way turn"):
+        assert told(line, clip).endswith("; and 2 more turns.")
+
+
+def test_of_a_moment_is_told_what_goes_on_and_how_far_it_went_until_then():
+    twists = np.zeros((121, 4))
+    turns = [happened("turn", 20, 40, turn=30.0), happened("turn", 60, 80, turn=-20.0)]
+    for event in turns:
+        twists[event.begin + 1 : event.end + 1, 0] = event.amount.mean / 20
+    clip = of_track(moving_track(twists, turns, frame_size=(240, 320)))
+    for line, text in {
+        "at t 1 amount turn": "About 8 degrees",
+        "at t 2 amount turn": "About 30 degrees",
+        "at t 4 net turn": "Net about 10 degrees",
+        "at t 1 way turn": "It turns clockwise 30 degrees from 0.8 to 1.6 s",
+        "at t 3 way turn": "It turns counterclockwise 20 degrees from 2.4 to 3.2 s",
+        "at t 2 way turn": "It does not turn at that moment.",
+        "at t 4 turn": "No: it does not turn.",
+    }.items():
+        assert told(line, clip).startswith(text)
+
+
+def test_what_is_unlikely_is_no_guess():
+    assert guessed("It turns.", 0.4) == "I cannot tell for sure, 40%: it turns."
+    assert "turns" not in guessed("It turns.", 0.001)
 
 
 def test_no_is_told_with_what_is_so_instead():

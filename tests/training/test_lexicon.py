@@ -45,9 +45,12 @@ def test_it_holds_the_words_that_stand_often_in_its_texts_and_none_of_their_slip
     ("in half of the turn", []),
     ("half a turn", [(0.5, "turn")]),
     ("a second time", []),
+    ("the third turn, for one of us", []),
+    ("a third of a turn", [(1 / 3, "turn")]),
     ("within a second", [(1.0, "s")]),
     ("from f30 to the 60th frame", [(30.0, "frame"), (60.0, "frame")]),
     ("1/0", [(1.0, ""), (0.0, "")]),
+    ("0/1", [(0.0, ""), (1.0, "")]),
     ("2 gradians, 3 mrad, 40 \u03bcs", [(2.0, "gon"), (3.0, "mrad"), (40.0, "us")]),
 ])  # fmt: skip
 def test_numbers_of_a_text(text, numbers):
