@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -98,12 +98,15 @@ def perceive(
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
     source: Source | None = None,
+    follow: Callable[[Any], None] | None = None,
 ) -> LoadedClip:
     """Perceive or track a clip, or its frames from first to last of `span`, once.
 
     A track that was made before is used again; the true indentation of a simulated clip is kept.
+    Who follows is called with the tracker after each frame.
     """
-    encoded = answerer.encode(recording, span=span, track=track)
+    options = {"span": span, "track": track} | ({} if follow is None else {"follow": follow})
+    encoded = answerer.encode(recording, **options)
     geometry = encoded.perception.geometry
     field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
     threshold = answerer.bundle.calibration.contact_threshold

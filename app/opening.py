@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from html import escape
@@ -221,18 +221,24 @@ class Opening:
             unread = stage.opening(recording, source.name)
             yield ({} if is_second else closed) | {name: unread}
 
-            def show(what: str, done: int, total: int) -> Filled:
-                return {name: unread | {"progress": f"{what}, {done / max(total, 1):.0%}"}}
+            growing = stage.GrowingTimeline(unread["unit"], recording.frames.shape[1:3])
 
-            shown = yield from reported(partial(self._perceive, source, recording), show)
+            def show(what: str, done: int, total: int) -> Filled:
+                progress = {"progress": f"{what}, {done / max(total, 1):.0%}"}
+                return {name: unread | growing.values | progress}
+
+            perceiving = partial(self._perceive, source, recording, growing.follow)
+            shown = yield from reported(perceiving, show)
             yield _paired(shown, *before) if is_second else _opened(shown, *before)
         except Exception:
             yield closed
             raise
 
-    def _perceive(self, source: Source, recording: Any) -> LoadedClip:
+    def _perceive(
+        self, source: Source, recording: Any, follow: Callable[[Any], None] | None = None
+    ) -> LoadedClip:
         """Return a recording for questions; an example is perceived once."""
-        options = {"span": source.span, "source": source}
+        options = {"span": source.span, "source": source, "follow": follow}
         if source.example is None or source.span is not None:
             return perceive(self._answerer, recording, **options)
         with self._lock:

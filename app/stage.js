@@ -245,7 +245,8 @@ function showResult() {
 
 function resultText() {
   if (data.step) return data.step.text;
-  if (!data.timeline) return data.pending ? data.progress || "reading the motion…" : "";
+  if (data.pending) return data.progress || "reading the motion…";
+  if (!data.timeline) return "";
   const now = data.x[frame];
   const moves = data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
   const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
