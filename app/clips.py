@@ -50,6 +50,10 @@ ADVICE = {
 """Advice for a person at the command line, and for one at the page."""
 
 
+Follow = Callable[[Any], None]
+"""Looks at the tracker of a recording after each of its frames."""
+
+
 @dataclass(frozen=True)
 class Source:
     """Where a recording comes from, and which part of it is read."""
@@ -98,15 +102,14 @@ def perceive(
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
     source: Source | None = None,
-    follow: Callable[[Any], None] | None = None,
+    follow: Follow = lambda _: None,
 ) -> LoadedClip:
     """Perceive or track a clip, or its frames from first to last of `span`, once.
 
     A track that was made before is used again; the true indentation of a simulated clip is kept.
     Who follows is called with the tracker after each frame.
     """
-    options = {"span": span, "track": track} | ({} if follow is None else {"follow": follow})
-    encoded = answerer.encode(recording, **options)
+    encoded = answerer.encode(recording, span=span, track=track, follow=follow)
     geometry = encoded.perception.geometry
     field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
     threshold = answerer.bundle.calibration.contact_threshold

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from html import escape
@@ -30,6 +30,7 @@ from geotlm_lm import (
 
 from . import stage
 from .clips import (
+    Follow,
     LoadedClip,
     Source,
     compared,
@@ -220,7 +221,6 @@ class Opening:
             recording = read_named(source.path, source.topic)
             unread = stage.opening(recording, source.name)
             yield ({} if is_second else closed) | {name: unread}
-
             growing = stage.GrowingTimeline(unread["unit"], recording.frames.shape[1:3])
 
             def show(what: str, done: int, total: int) -> Filled:
@@ -235,7 +235,7 @@ class Opening:
             raise
 
     def _perceive(
-        self, source: Source, recording: Any, follow: Callable[[Any], None] | None = None
+        self, source: Source, recording: Any, follow: Follow = lambda _: None
     ) -> LoadedClip:
         """Return a recording for questions; an example is perceived once."""
         options = {"span": source.span, "source": source, "follow": follow}

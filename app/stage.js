@@ -356,8 +356,10 @@ time.addEventListener("pointermove", (event) => {
   const value = toPlace(event);
   if (time.hasPointerCapture(event.pointerId)) {
     if (movedFrom === null) seek(nearest(data.x, value));
-    else timeline.pan(((event.clientX - movedFrom) / timeline.width) * (timeline.whole[1] - timeline.whole[0]));
-    movedFrom &&= event.clientX;
+    else {
+      timeline.pan(((event.clientX - movedFrom) / timeline.width) * (timeline.whole[1] - timeline.whole[0]));
+      movedFrom = event.clientX;
+    }
   }
   if (!data.timeline) return;
   tip.textContent = timeline.textAt(value);
