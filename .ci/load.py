@@ -1,9 +1,10 @@
 """Measure how long questions take at a served page that others use: `python .ci/load.py`.
 
 First a recording of five seconds is opened on the stage and asked about, with nobody beside, then
-one of two minutes, without and with somebody who asks about a clip meanwhile. Then three recordings of 250 frames are tracked over and over while one visitor asks; then twenty
-visitors ask at once, each about its own example. An answer that differs from the one given to the
-same question alone is a mixed one. Every request goes through the page's own queue.
+one of two minutes, without and with somebody who asks about a clip meanwhile. Then three recordings
+of 250 frames are tracked over and over while one visitor asks; then twenty visitors ask at once,
+each about its own example. An answer that differs from the one given to the same question alone is
+a mixed one. Every request goes through the page's own queue.
 """
 
 from __future__ import annotations
@@ -127,8 +128,10 @@ def opened_long(answerer: Answerer, folder: Path) -> None:
 
 
 def under_tracking(address: str, folder: Path, names: list[str], seconds: float) -> None:
-    """Print how long one visitor's questions take while recordings are tracked."""
+    """Print how long questions on what is open take while other recordings are tracked."""
     ended = Event()
+    for name in EXAMPLES:
+        ask(address, recording=name, question=QUESTIONS[0])
 
     def track(name: str) -> list[float]:
         taken = []

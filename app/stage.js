@@ -350,6 +350,7 @@ time.addEventListener("pointerdown", (event) => {
   const below = event.clientY - time.getBoundingClientRect().top > timeline.height - AXIS;
   movedFrom = timeline.view && below ? event.clientX : null;
   if (movedFrom === null) seek(nearest(data.x, toPlace(event)));
+  else pause();
 });
 time.addEventListener("pointermove", (event) => {
   if (!data) return;
@@ -375,8 +376,10 @@ for (const ending of ["pointercancel", "pointerleave"]) {
 // With a key held the wheel zooms; once a part is shown it moves that part along.
 time.addEventListener("wheel", (event) => {
   if (event.ctrlKey || event.metaKey) timeline.zoom(event.deltaY < 0 ? 1.25 : 0.8, toPlace(event));
-  else if (timeline.view) timeline.pan(((event.deltaX || event.deltaY) / timeline.width) * (timeline.span[1] - timeline.span[0]));
-  else return;
+  else if (timeline.view) {
+    pause(); // the moment would draw it back
+    timeline.pan(((event.deltaX || event.deltaY) / timeline.width) * (timeline.span[1] - timeline.span[0]));
+  } else return;
   event.preventDefault();
 }, { passive: false });
 for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
