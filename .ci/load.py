@@ -1,9 +1,10 @@
 """Measure how long questions take at a served page that others use: `python .ci/load.py`.
 
-First a recording of five seconds is opened on the stage and asked about, with nobody beside. Then
-three recordings of 250 frames are tracked over and over while one visitor asks; then twenty
-visitors ask at once, each about its own example. An answer that differs from the one given to the
-same question alone is a mixed one. Every request goes through the page's own queue.
+First a recording of five seconds is opened on the stage and asked about, with nobody beside, then
+one of two minutes, without and with somebody who asks about a clip meanwhile. Then three recordings
+of 250 frames are tracked over and over while one visitor asks; then twenty visitors ask at once,
+each about its own example. An answer that differs from the one given to the same question alone is
+a mixed one. Every request goes through the page's own queue.
 """
 
 from __future__ import annotations
@@ -27,13 +28,15 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from app import ui
 from app.__main__ import own_cache_folder
 from app.opening import Opening
-from app.sources import EXAMPLES
+from app.sources import EXAMPLES, RECORDING_FOLDER
 from app.talking import Talking
+from app.toolkit import report_progress
+from app.turns import AnswererInTurns, Turns
 from geotlm_lm import Answerer, Touch, read_clip, simulate_touch
 
 QUESTIONS = ("Which way is it turning?", "Is it sliding to the left?", "How far did it go?")
 FRAMES, RECORDINGS, VISITORS, ROUNDS = 250, 3, 20, 3
-OPENED_S, REPEATS = 5, 10
+OPENED_S, REPEATS, LONG_S = 5, 10, 120
 
 CLIENT = httpx.Client(timeout=600, limits=httpx.Limits(max_connections=None))
 
@@ -89,9 +92,46 @@ def opened(answerer: Answerer, folder: Path) -> None:
     tell("from a question of it to its answer", told)
 
 
+def opened_long(answerer: Answerer, folder: Path) -> None:
+    """Print when the first of two minutes stands on the timeline, and when all, beside an asker."""
+    frames = read_clip(RECORDING_FOLDER / "key.mov").frames
+    path, size = folder / "long.mov", frames.shape[2:0:-1]
+    film = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"mp4v"), 25.0, size)
+    for number in range(LONG_S * 25):
+        film.write(cv2.cvtColor(frames[number % len(frames)], cv2.COLOR_RGB2BGR))
+    film.release()
+    shared = AnswererInTurns(answerer, Turns(report_progress))
+    *_, clip = Opening(shared).upload([str(next(iter(EXAMPLES.values())))], [], None, None)
+    for is_asked in (False, True):
+        ended, taken, first = Event(), [], None
+
+        def ask_on(ended: Event = ended, taken: list[float] = taken) -> None:
+            while not ended.wait(0.2):
+                started = time.perf_counter()
+                list(Talking(shared).ask(QUESTIONS[0], clip["shown"], [], None))
+                taken.append(time.perf_counter() - started)
+
+        with ThreadPoolExecutor(1) as pool:
+            asking = pool.submit(ask_on) if is_asked else None
+            started = time.perf_counter()
+            for filled in Opening(shared).upload([str(path)], [], None, None):
+                timeline = filled.get("stage", {}).get("timeline")
+                if first is None and timeline and timeline["x"][-1] >= LONG_S / 2:
+                    first = time.perf_counter() - started
+            whole = time.perf_counter() - started
+            ended.set()
+        beside = " beside an asker" * is_asked
+        print(f"of {LONG_S} s the first half after {first:.1f} s, all after {whole:.1f} s{beside}")
+        if asking is not None:
+            asking.result()
+            tell("a question meanwhile", taken)
+
+
 def under_tracking(address: str, folder: Path, names: list[str], seconds: float) -> None:
-    """Print how long one visitor's questions take while recordings are tracked."""
+    """Print how long questions on what is open take while other recordings are tracked."""
     ended = Event()
+    for name in EXAMPLES:
+        ask(address, recording=name, question=QUESTIONS[0])
 
     def track(name: str) -> list[float]:
         taken = []
@@ -156,6 +196,7 @@ def main() -> None:
         folder = Path(home)
         answerer = Answerer.load()
         opened(answerer, folder)
+        opened_long(answerer, folder)
         names = write_recordings(folder)
         page = ui.build(answerer, folder)
         address = ui.launch(page)

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 import time
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -48,6 +48,10 @@ ADVICE = {
     "by --topic": "as `topic`, on the page under Details of the Ask tab",
 }
 """Advice for a person at the command line, and for one at the page."""
+
+
+Follow = Callable[[Any], None]
+"""Looks at the tracker of a recording after each of its frames."""
 
 
 @dataclass(frozen=True)
@@ -98,12 +102,14 @@ def perceive(
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
     source: Source | None = None,
+    follow: Follow = lambda _: None,
 ) -> LoadedClip:
     """Perceive or track a clip, or its frames from first to last of `span`, once.
 
     A track that was made before is used again; the true indentation of a simulated clip is kept.
+    Who follows is called with the tracker after each frame.
     """
-    encoded = answerer.encode(recording, span=span, track=track)
+    encoded = answerer.encode(recording, span=span, track=track, follow=follow)
     geometry = encoded.perception.geometry
     field, mask = (np.asarray(x[0], np.float32) for x in (geometry.shear_change, geometry.mask))
     threshold = answerer.bundle.calibration.contact_threshold

@@ -30,6 +30,7 @@ from geotlm_lm import (
 
 from . import stage
 from .clips import (
+    Follow,
     LoadedClip,
     Source,
     compared,
@@ -220,19 +221,24 @@ class Opening:
             recording = read_named(source.path, source.topic)
             unread = stage.opening(recording, source.name)
             yield ({} if is_second else closed) | {name: unread}
+            growing = stage.GrowingTimeline(unread["unit"], recording.frames.shape[1:3])
 
             def show(what: str, done: int, total: int) -> Filled:
-                return {name: unread | {"progress": f"{what}, {done / max(total, 1):.0%}"}}
+                progress = {"progress": f"{what}, {done / max(total, 1):.0%}"}
+                return {name: unread | growing.values | progress}
 
-            shown = yield from reported(partial(self._perceive, source, recording), show)
+            perceiving = partial(self._perceive, source, recording, growing.follow)
+            shown = yield from reported(perceiving, show)
             yield _paired(shown, *before) if is_second else _opened(shown, *before)
         except Exception:
             yield closed
             raise
 
-    def _perceive(self, source: Source, recording: Any) -> LoadedClip:
+    def _perceive(
+        self, source: Source, recording: Any, follow: Follow = lambda _: None
+    ) -> LoadedClip:
         """Return a recording for questions; an example is perceived once."""
-        options = {"span": source.span, "source": source}
+        options = {"span": source.span, "source": source, "follow": follow}
         if source.example is None or source.span is not None:
             return perceive(self._answerer, recording, **options)
         with self._lock:

@@ -245,7 +245,8 @@ function showResult() {
 
 function resultText() {
   if (data.step) return data.step.text;
-  if (!data.timeline) return data.pending ? data.progress || "reading the motion…" : "";
+  if (data.pending) return data.progress || "reading the motion…";
+  if (!data.timeline) return "";
   const now = data.x[frame];
   const moves = data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
   const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
@@ -349,14 +350,17 @@ time.addEventListener("pointerdown", (event) => {
   const below = event.clientY - time.getBoundingClientRect().top > timeline.height - AXIS;
   movedFrom = timeline.view && below ? event.clientX : null;
   if (movedFrom === null) seek(nearest(data.x, toPlace(event)));
+  else pause();
 });
 time.addEventListener("pointermove", (event) => {
   if (!data) return;
   const value = toPlace(event);
   if (time.hasPointerCapture(event.pointerId)) {
     if (movedFrom === null) seek(nearest(data.x, value));
-    else timeline.pan(((event.clientX - movedFrom) / timeline.width) * (timeline.whole[1] - timeline.whole[0]));
-    movedFrom &&= event.clientX;
+    else {
+      timeline.pan(((event.clientX - movedFrom) / timeline.width) * (timeline.whole[1] - timeline.whole[0]));
+      movedFrom = event.clientX;
+    }
   }
   if (!data.timeline) return;
   tip.textContent = timeline.textAt(value);
@@ -372,8 +376,10 @@ for (const ending of ["pointercancel", "pointerleave"]) {
 // With a key held the wheel zooms; once a part is shown it moves that part along.
 time.addEventListener("wheel", (event) => {
   if (event.ctrlKey || event.metaKey) timeline.zoom(event.deltaY < 0 ? 1.25 : 0.8, toPlace(event));
-  else if (timeline.view) timeline.pan(((event.deltaX || event.deltaY) / timeline.width) * (timeline.span[1] - timeline.span[0]));
-  else return;
+  else if (timeline.view) {
+    pause(); // the moment would draw it back
+    timeline.pan(((event.deltaX || event.deltaY) / timeline.width) * (timeline.span[1] - timeline.span[0]));
+  } else return;
   event.preventDefault();
 }, { passive: false });
 for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);

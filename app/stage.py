@@ -5,6 +5,7 @@ Gathers plain values, which `stage.js` and `timeline.js` draw; pictures are fetc
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -42,6 +43,9 @@ MOST_FRAMES = 300
 
 SHORT_HZ, ASSUMED_HZ = 10.0, 25.0
 """Rate that a clip of four frames is played at, and a recording that does not tell its own."""
+
+GROWS_EVERY_S = 1.0
+"""After which the timeline of a recording that is being tracked is drawn anew."""
 
 MOST_POINTS = 1000
 """Of a curve; a longer one is thinned, its ends stay."""
@@ -316,6 +320,32 @@ def timeline_of(
         # The way in shares of the picture, drawn as long as it is.
         "way": _rounded(drawing.arrows[places]),
     }
+
+
+class GrowingTimeline:
+    """The timeline of a recording that is still being tracked, drawn anew now and then.
+
+    Args:
+        unit: Of its axis.
+        shape: Rows and columns of its frames.
+    """
+
+    def __init__(self, unit: str, shape: tuple[int, int]) -> None:
+        self._unit, self._units = unit, Units(shape, None)
+        self._drawn_s = time.monotonic()
+        self.values: dict[str, Any] = {}
+        """Of the stage; empty at first."""
+
+    def follow(self, tracker: Any) -> None:
+        """Look at the tracker between two frames."""
+        now_s = time.monotonic()
+        if now_s - self._drawn_s < GROWS_EVERY_S:
+            return
+        track = tracker.so_far
+        if len(track):
+            drawing, limits = drawing_of(track, self._units), limits_of(track, None)
+            self.values = {"timeline": timeline_of(drawing, self._unit, limits)}
+        self._drawn_s = time.monotonic()
 
 
 def _event(band: Any, axis_unit: str) -> dict[str, Any]:

@@ -108,7 +108,7 @@ class Timeline {
     this.root.setAttribute("viewBox", `0 0 ${this.width} ${this.height}`);
     this.cursor = svg("line", { class: "cursor", y1: 0, y2: top });
     if (this.data.timeline) this.root.append(this.cursor);
-    this.at(this.place ?? this.span[0]);
+    this.showCursor();
   }
 
   drawTrack() {
@@ -240,15 +240,18 @@ class Timeline {
     this.root.append(svg("text", { x, y, class: kind, "text-anchor": anchor || "start" }, words));
   }
 
+  // Shows a moment; the part that is shown follows.
   at(value) {
     this.place = value;
     if (!this.cursor) return;
     if (this.view && (value < this.view[0] || value > this.view[1])) {
       this.view = this.held(value, this.view[1] - this.view[0]);
-      this.draw(); // which comes back here with the moment inside
-      return;
-    }
-    const x = this.placeOf(value);
+      this.draw();
+    } else this.showCursor();
+  }
+
+  showCursor() {
+    const x = this.placeOf(this.place ?? this.span[0]);
     this.cursor.setAttribute("visibility", x < LEFT - 1 || x > this.width ? "hidden" : "visible");
     this.cursor.setAttribute("x1", x);
     this.cursor.setAttribute("x2", x);

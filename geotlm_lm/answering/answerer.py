@@ -36,7 +36,7 @@ from geotlm_lm.recordings.legible import require_any_legible
 from geotlm_lm.recordings.read import frames_inside, require_motion
 from geotlm_lm.recordings.scene_checks import scene_of
 from geotlm_lm.track.track import Track
-from geotlm_lm.track.tracker import Tracker
+from geotlm_lm.track.tracker import Follow, Tracker, unfollowed
 
 CAMERA = FrameSpec()
 """Directions as the camera image shows them, of the object."""
@@ -71,6 +71,7 @@ class Answerer:
         span: tuple[int, int] | None = None,
         track: Track | None = None,
         progress: Progress = silent,
+        follow: Follow = unfollowed,
     ) -> Encoded:
         """Perceive a clip of up to four frames once; a longer recording is tracked.
 
@@ -79,6 +80,7 @@ class Answerer:
             span: First and last frame to use, both included; None uses all.
             track: Of the recording, where it was tracked before.
             progress: As of `track`.
+            follow: Called with the tracker after each frame of a recording that is tracked.
 
         Raises:
             UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
@@ -96,7 +98,8 @@ class Answerer:
         scene = scene_of(clip) if track is None else track.scene
         # Once, for the track and for the four frames looked at.
         clip = with_found_idle(scene.steadied(clip))
-        track = track_recording(self.bundle, clip, progress, scene) if track is None else track
+        if track is None:
+            track = track_recording(self.bundle, clip, progress, scene, follow)
         return perceive_recording(self.bundle, clip, track, span)
 
     def track(self, recording: Clip, *, progress: Progress = silent) -> Track:

@@ -33,7 +33,7 @@ from geotlm_lm.recordings.touch import (
 from geotlm_lm.track.block import believed, believer
 from geotlm_lm.track.summed import Whole, belief_of_track
 from geotlm_lm.track.track import Track, window_of
-from geotlm_lm.track.tracker import Tracker, gel_of, track_of
+from geotlm_lm.track.tracker import Follow, Tracker, gel_of, track_of, unfollowed
 
 CLEAR = 10.0
 """Path over its limit from which on nothing that grows feigns it."""
@@ -150,14 +150,18 @@ def perceive_clip(bundle: Bundle, clip: Clip, scene: SceneReport | None = None) 
 
 
 def track_recording(
-    bundle: Bundle, clip: Clip, progress: Progress = silent, scene: SceneReport | None = None
+    bundle: Bundle,
+    clip: Clip,
+    progress: Progress = silent,
+    scene: SceneReport | None = None,
+    follow: Follow = unfollowed,
 ) -> Track:
     """Return the track of a recording in memory; its idle gel is found, learnt or guessed.
 
     It is steadied first, or was by the `scene` that is given.
     """
     believe, whole = believer(bundle.model, bundle.motion), _whole(bundle, clip)
-    return track_of(clip, believe, whole=whole, progress=progress, scene=scene)
+    return track_of(clip, believe, whole=whole, progress=progress, scene=scene, follow=follow)
 
 
 def tracker_of(bundle: Bundle, clip: Clip | None = None, *, with_depth: bool = True) -> Tracker:

@@ -154,6 +154,11 @@ class Context:
         return self.contact
 
     @property
+    def looked_at(self) -> tuple[Floats, Floats]:
+        """From when to when, of a moment that alone."""
+        return self.span if self.now is None else (self.now, self.now)
+
+    @property
     def contact(self) -> tuple[Floats, Floats]:
         """From the first touch to the last release."""
         spans = self.worlds.contacts

@@ -126,7 +126,7 @@ def holds(context: Context, word: str) -> Bools:
 
 def _touched(context: Context) -> Floats:
     worlds = context.worlds
-    begin, end = context.span if context.now is None else (context.now, context.now)
+    begin, end = context.looked_at
     is_inside = np.zeros(np.broadcast(begin, end).shape, bool)
     for first, last in worlds.contacts:
         is_inside = is_inside | ((np.asarray(begin) <= last) & (np.asarray(end) >= first))

@@ -172,10 +172,7 @@ def _ends(context: Context, component: Component) -> tuple[float, float] | None:
     """Return from when to when a component moves in the span."""
     if not context.worlds.is_timed:
         return None
-    if context.now is not None:
-        begin, end = 2 * (middle(context, np.asarray(context.now)),)
-    else:
-        begin, end = (middle(context, each) for each in context.span)
+    begin, end = (middle(context, np.asarray(each)) for each in context.looked_at)
     inside = [
         (max(each.begin_s, begin), min(each.end_s, end))
         for each in context.worlds.motions(component)
@@ -278,11 +275,10 @@ def story_of(context: Context, components: tuple[Component, ...] = COMPONENTS) -
         return ()
     likely = [each for each in context.worlds.happenings if each.probability >= 0.5]
     own = [each for each in likely if each.component in (None, *components)]
-    if context.now is not None:
-        now = middle(context, np.asarray(context.now))
-        return tuple(shown(context, each) for each in own if each.begin_s <= now <= each.end_s)
-    begin, end = (middle(context, each) for each in context.span)
+    begin, end = (middle(context, np.asarray(each)) for each in context.looked_at)
     inside = [each for each in own if each.end_s >= begin and each.begin_s <= end]
+    if context.now is not None:  # what goes on is told whole
+        return tuple(shown(context, each) for each in inside)
     parts = [(each, clipped(each, begin, end)) for each in inside]
     # What only touches the span's border lies outside; what happens at one moment has no length.
     return tuple(shown(context, part) for each, part in parts

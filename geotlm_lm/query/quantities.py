@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -160,7 +161,7 @@ def _figure_at(text: str, at: int) -> Stated | None:
     part = _value(f"{mixed[1]}/{mixed[2]}") if mixed and "/" not in figure else None
     if part is not None:
         value, end = value + part, mixed.end()
-    unit, end = _unit_at(text, end, may_join="/" in figure or abs(value) < 1)
+    unit, end = _unit_at(text, end, (*_OF, *_JOINTS) if "/" in figure or abs(value) < 1 else ())
     return Stated(Quantity(value, unit or "frame" * _follows_frame(text, at)), at, end)
 
 
@@ -194,8 +195,8 @@ def _words_at(text: str, at: int) -> Stated | None:
     value, end = _spoken(text, at)
     if value is None:
         return None
-    unit, last = _unit_at(text, end, may_join=True)
-    if _is_ordinal(text, at, end, last) or text[end:last].lower().split() == ["of", "us"]:
+    unit, last = _unit_at(text, end, _JOINTS if value % 1 == 0 else (*_OF, *_JOINTS))
+    if _is_ordinal(text, at, end, last):
         return None
     if unit:
         return Stated(Quantity(value, unit), at, last)
@@ -286,18 +287,22 @@ def _next_word(text: str, at: int) -> tuple[str | None, int]:
     return (match[0].rstrip(".").lower(), match.end()) if match else (None, at)
 
 
-def _unit_at(text: str, at: int, *, may_join: bool = False) -> tuple[str, int]:
+_OF, _JOINTS = (("of", "a"), ("of",)), (("a",), ("an",), ("full",), ("-",))
+"""What may stand between a part and its unit, "a quarter of a turn", and between others and theirs:
+"half a turn", "two full turns"."""
+
+
+def _unit_at(text: str, at: int, joints: Sequence[Sequence[str]] = ()) -> tuple[str, int]:
     """Return the unit that follows a number, with what it is per, and where it ends."""
-    if may_join:  # "half a turn", "a quarter of a turn", "a quarter turn"
-        for words in (("of", "a"), ("of",), ("a",), ("an",), ("full",), ("-",)):
-            place = at
-            for expected in words:
-                word, after = _next_word(text, place)
-                place = after if word == expected else -1
-                if place < 0:
-                    break
-            if place >= 0 and (unit_ := _plain_unit(text, place))[0]:
-                return unit_
+    for words in joints:
+        place = at
+        for expected in words:
+            word, after = _next_word(text, place)
+            place = after if word == expected else -1
+            if place < 0:
+                break
+        if place >= 0 and (unit_ := _plain_unit(text, place))[0]:
+            return unit_
     unit, end = _plain_unit(text, at)
     if not unit:
         return "", at

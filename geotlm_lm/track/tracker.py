@@ -7,7 +7,7 @@ second. Nothing is looked at twice but the four frames of a block that the model
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from copy import copy
 from dataclasses import astuple, replace
 
@@ -383,6 +383,14 @@ class Tracker:
         return tuple(notes)
 
 
+Follow = Callable[[Tracker], None]
+"""Looks at a track that is growing, and changes nothing."""
+
+
+def unfollowed(_: Tracker) -> None:
+    """Look at nothing."""
+
+
 def track_of(
     source: Clip | Iterable[tuple[Frames, float]],
     believe: Believe | None = None,
@@ -391,11 +399,12 @@ def track_of(
     whole: Whole | None = None,
     progress: Progress = silent,
     scene: SceneReport | None = None,
+    follow: Follow = unfollowed,
 ) -> Track:
     """Return the track of a recording; arguments and errors as of `Tracker`.
 
     The source is a clip, whose idle gel is looked for first, or frames with their times. Progress
-    is told after each frame of a clip.
+    is told, and `follow` called, after each frame of a clip.
     """
     if not isinstance(source, Clip):
         tracker = Tracker(believe, idle=idle, whole=whole)
@@ -412,6 +421,7 @@ def track_of(
     numbered = zip(source.frames, source.frame_numbers, strict=True)
     for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)
+        follow(tracker)
         progress("tracking", done, len(source))
     return tracker.finish()
 

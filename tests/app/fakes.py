@@ -17,7 +17,7 @@ from geotlm_lm.core.process import silent
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import Perception
 from geotlm_lm.recordings.read import frames_inside
-from geotlm_lm.track.tracker import Tracker, track_of
+from geotlm_lm.track.tracker import Tracker, track_of, unfollowed
 from tests.answering.scripted import ScriptedReader, Silent, believed
 
 READ = {
@@ -58,7 +58,7 @@ class FakeAnswerer(Answerer):
         )
         super().__init__(bundle)
 
-    def encode(self, clip, *, span=None, track=None, progress=silent):
+    def encode(self, clip, *, span=None, track=None, progress=silent, follow=unfollowed):
         field, mask = torch.zeros(1, 14, 14, 2), torch.zeros(1, 14, 14)
         field[..., 0] = 1
         mask[:, :, :7] = 1

@@ -144,6 +144,12 @@ def test_the_timeline_is_zoomed_and_moved_along(browser):
     browser.run("document.querySelector('.stage [data-part=scrub]').focus()")
     browser.press("End", 35)  # the part that is shown follows
     assert browser.run(f"Math.max(...{ticks})") == max(whole)
+    bar = "document.querySelector('.stage-time svg .part').getBoundingClientRect()"
+    at, last = browser.run(f"[{bar}.x + {bar}.width / 2, {bar}.y + 3]"), max(browser.run(ticks))
+    for kind, x in (("mousePressed", at[0]), ("mouseMoved", at[0] - 90), ("mouseReleased", 0)):
+        point = {"x": x, "y": at[1], "button": "left", "buttons": 1, "clickCount": 1}
+        browser.call("Input.dispatchMouseEvent", type=kind, **point)
+    assert max(browser.run(ticks)) < last  # the part was taken hold of, and moved
     browser.click("all", ".stage-zoom button")
     assert browser.run(ticks) == whole
 

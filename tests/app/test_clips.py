@@ -12,7 +12,7 @@ from tests.app.fakes import FakeAnswerer, load_clip
 class Refusing(FakeAnswerer):
     """Refuses every recording by its name, as a model does that can see nothing in it."""
 
-    def encode(self, clip, *, span=None, track=None):
+    def encode(self, clip, **_):
         raise GeoTLMError(f"{clip.name}: 100% of frame 0 is black.")
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from app import stage
-from app.clips import perceive
+from app.clips import perceive, read_named
 from app.pictures import PACKS
-from app.sources import EXAMPLES
+from app.sources import EXAMPLES, RECORDING_FOLDER
 from geotlm_lm import Exported, FrameSpec, Units
 from geotlm_lm.core.clip import Clip
 from tests.app.fakes import FakeAnswerer, load_clip
@@ -179,3 +179,21 @@ def test_a_still_clip_has_a_limit_and_no_arrows(answerer):
     assert told["motion"] is None
     assert told["step"]["text"] == "does not move"
     assert all(row["text"].startswith("none beyond ") for row in told["step"]["rows"])
+
+
+def test_the_timeline_grows_while_a_recording_is_tracked(answerer, monkeypatch):
+    monkeypatch.setattr(stage, "GROWS_EVERY_S", 0.0)
+    recording = read_named(str(RECORDING_FOLDER / "key.mov"))
+    growing, ends = stage.GrowingTimeline("s", recording.frames.shape[1:3]), []
+    assert growing.values == {}
+
+    def follow(tracker):
+        growing.follow(tracker)
+        ends.append(growing.values.get("timeline", {"x": [0.0]})["x"][-1])
+
+    shown = perceive(answerer, recording, follow=follow)
+    assert len(ends) == len(recording)
+    assert ends == sorted(ends)
+    assert ends[-1] > 0.8 * shown.encoded.track.times_s[-1]
+    turns = next(lane for lane in growing.values["timeline"]["lanes"] if lane["name"] == "turn")
+    assert len(turns["events"]) == 2
