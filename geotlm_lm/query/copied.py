@@ -19,12 +19,13 @@ _RATES = ("s", "ms", "min", "frame", "px", "mm")
 LONGEST = 32
 """Characters of a quoted word, at most."""
 
-_QUOTED = re.compile(r"\"([^\"\n]*)\"|“([^”\n]*)”|(?<!\w)'([^'\n]*)'(?!\w)|`([^`\n]*)`")
+_QUOTED = re.compile(r"(?<!\w)\"([^\"\n]*)\"|“([^”\n]*)”|(?<!\w)'([^'\n]*)'(?!\w)|`([^`\n]*)`")
 _NO_WORD = re.compile(r"<\w|\w>|\w=\w|[{}\[\]|\t;]|^(?:\.+|…|\?+|_+|\s*)$|^\w+(?:[,/]\w+){2,}$")
 """What is quoted and is no word: a template, a gap, a header line."""
 
 _TAG = re.compile(r"<([A-Za-z][\w.-]*)>(?=.*</\1>)|(?<=>)([A-Za-z][\w+-]*)(?=</)", re.DOTALL)
 _ITEM = r"[A-Za-z][\w.+-]*"
+_LEADS_TO_KEY = re.compile(r"(?:^|[,.;:(]|\b(?:with|under|as))\s*$", re.IGNORECASE)
 _BETWEEN_BARS = re.compile(r"(?<![\w|])[\w+-][\w.+-]*(?:(?:\s+\|\s+|\|)[\w.+-]+)+(?![\w])")
 _HEADER = re.compile(
     rf"(?<![\w/.]){_ITEM}(?:(?:[;\t]{_ITEM})+|(?:,{_ITEM}){{2,}})(?![\w/])"
@@ -154,8 +155,16 @@ def _listed(text: str) -> Iterator[Copied]:
     for name in ("listing", "keyed"):
         for match in _any_of(name).finditer(text):
             items = list(_items(text, _behind(text, match.end()), name == "listing"))
+            if match[0].lower() == "key" and not _is_of_data(text, match):
+                continue
             if len(items) > 1 or name == "keyed":
                 yield from items
+
+
+def _is_of_data(text: str, key: re.Match[str]) -> bool:
+    """Tell whether a key is one of JSON, "with key angle", and not "the key turns"."""
+    is_named = text[key.end() :].lstrip().startswith((":", "named", "called"))
+    return is_named or _LEADS_TO_KEY.search(text[: key.start()]) is not None
 
 
 def _behind(text: str, at: int) -> int:

@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.query.lines import units_of
 from geotlm_lm.query.program import (
     ACCEPTED,
     AROUND,
@@ -23,6 +24,7 @@ from geotlm_lm.query.program import (
     EVENTS,
     GOING,
     MEASURED,
+    TEMPLATES,
     Expression,
     Field,
     Program,
@@ -52,10 +54,7 @@ _MEASURES = (*GOING, "limit")
 _ENDS = ("low", "high", "sigma")
 """What is told of a number's spread; one takes the place of another."""
 
-STRUCTURED = (
-    *("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table"),
-    *("semicolons", "tabs", "pipes", "markdown", "dict", "tags"),
-)
+STRUCTURED = (*TEMPLATES, "list", "table")
 """Forms of one answer; the next is told in words again, while a word or a number stays one."""
 
 _PLACED = ("within", "at", *CLIPS)
@@ -94,7 +93,8 @@ def resumed(program: Program, before: Program) -> Program:
 
 def _is_filled_again(answer: Expression) -> bool:
     """Tell whether a template with keys of its own is filled, which stays one."""
-    return answer.word == "record" and any(field.key for field in answer.arguments[0])
+    head = head_of(answer)
+    return head.word == "record" and any(field.key for field in head.arguments[0])
 
 
 def _asked(answer: Expression) -> Expression:
@@ -161,11 +161,12 @@ def _spelled(
     word = expression.word
     if word == "again":
         return _fitted(last, wanted, unit)
-    if last.word == "record" and word in ("unit", "round", "per", "record"):
+    if word in ("unit", "round", "per", "record") and (record := head_of(last)).word == "record":
         if word == "record":
-            return of("record", _with_more(expression.arguments[0], last))
+            return _around(last, of("record", _with_more(expression.arguments[0], record)))
         if expression.arguments[1].word == "again":
-            return of("record", tuple(_refined(each, expression) for each in last.arguments[0]))
+            fields = tuple(_refined(each, expression) for each in record.arguments[0])
+            return _around(last, of("record", fields))
     if word in ("instead", "with"):
         what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
         return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
@@ -184,6 +185,14 @@ def _spelled(
     return replace(expression, arguments=arguments)
 
 
+def _around(last: Expression, head: Expression) -> Expression:
+    """Return an expression with the views, clips and spans that stand around the last one."""
+    if last == head_of(last):
+        return head
+    *before, inner = last.arguments
+    return replace(last, arguments=(*before, _around(inner, head)))
+
+
 def _with_more(fields: tuple[Field, ...], last: Expression) -> tuple[Field, ...]:
     """Return the fields of the last record where "again" stands, and others beside them."""
     more: list[Field] = []
@@ -198,11 +207,10 @@ def _refined(field: Field, expression: Expression) -> Field:
     """Return a field in the unit, or with the decimals, that all are wanted in, if it has such."""
     if type_of(field.answer) != "number":
         return field
-    subject = _subject(field.answer)
-    kind = "time" if subject is None else "length"
-    kind = "angle" if subject and COMPONENT[subject].value == "turn" else kind
-    wanted = dimension_of(expression.arguments[0]) if expression.word == "unit" else kind
-    return replace(field, answer=_spelled(expression, field.answer)) if wanted == kind else field
+    is_fit = expression.word == "round" or head_of(field.answer).word in ("speed", "top-speed")
+    if expression.word == "unit":
+        is_fit = expression.arguments[0] in (units_of(field.answer) or ())
+    return replace(field, answer=_spelled(expression, field.answer)) if is_fit else field
 
 
 def _argument(value: Any, last: Expression, wanted: str, unit: str) -> Any:

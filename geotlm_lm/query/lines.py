@@ -331,7 +331,11 @@ def _wanted(word: str, arguments: Sequence[Expression]) -> tuple[str, ...] | Non
         return _TIMES
     if word not in (*COMPARED, "+", "-", "percent-of") or not arguments:
         return None
-    measured = arguments[0]
+    return units_of(arguments[0])
+
+
+def units_of(measured: Expression) -> tuple[str, ...] | None:
+    """Return the units that a number may be told in; None where that is not known."""
     while measured.word in _INSIDE:
         measured = measured.arguments[-1]
     if measured.word == "unit":

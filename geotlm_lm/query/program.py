@@ -162,6 +162,10 @@ FORMS = (
 "semicolons", "tabs" and "pipes" are a CSV's rows parted by these, "markdown" a table of it, "dict"
 one of Python, "tags" are <key>value</key>."""
 
+TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "semicolons", "tabs", "pipes",
+             "markdown", "dict", "tags")  # fmt: skip
+"""Forms that programs read."""
+
 MOST_SLOTS, MOST_COPIED = 9, 20
 """Quantities of a text, and words of it, that a program can point at."""
 

@@ -142,12 +142,7 @@ def _figure_at(text: str, at: int) -> Stated | None:
     if _ORDINAL.match(text, match.end()):
         return None
     figure = match[0]
-    if (
-        figure[0] in "-+−"
-        and at > 0
-        and not text[at - 1].isspace()
-        and text[at - 1] not in '(=<>:"|['
-    ):
+    if figure[0] in "-+−" and re.search(r"[^\s(=<>:\"|[]$|\w\"$", text[max(at - 2, 0) : at]):
         return None  # a range's dash; its number is found behind it
     value, end = _value(figure), match.end()
     if value is None:  # "1/0", "0.2,0.7"

@@ -31,7 +31,9 @@ POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
 _BETWEEN = {"pairs": "=", "yaml": ": "}
 _AROUND = {"tuple": "()", "brackets": "[]"}
 _PARTED = {"csv": ",", "semicolons": ";", "tabs": "\t", "pipes": "|"}
-_CODE = re.compile(r"-?\d+")
+_CODE = re.compile(r"-?(?:0|[1-9]\d{0,8})")
+"""A label that is a number in JSON; "01" is a word."""
+
 _WRITTEN = {"dict": repr, "json": json.dumps}
 
 
@@ -87,8 +89,8 @@ def shortened(value: Value, form: str, teller: Teller) -> str | None:
         return ", ".join(parts) if parts and None not in parts else None
     if form == "one-zero":
         return str(int(value.holds)) if isinstance(value, Truth) else None
-    if form == "true-false" and isinstance(value, Truth):
-        return str(value.holds)
+    if form == "true-false":
+        return str(value.holds) if isinstance(value, Truth) else None
     if form == "sign":
         is_moving = isinstance(value, Moved) and value.movements and value.still_axis is None
         way = value.movements[0].way if is_moving else None

@@ -71,22 +71,28 @@ class Layout:
 class Draft:
     """A text in the making; what is copied from it is marked as the grammar marks it."""
 
-    marks: dict[str, str] = field(default_factory=dict)  # what is copied -> its mark in the line
+    copies: dict[str, str] = field(default_factory=dict)  # a mark in the line -> what it copies
 
     def mark(self, text: str) -> tuple[str, str]:
         """Return a word or a number, marked where it stands first, and its mark in the line."""
-        if text in self.marks:
-            return text, self.marks[text]
-        place = len(self.marks) + 1
+        for mark, copy in self.copies.items():
+            if copy == text:
+                return text, mark
+        return self.mark_anew(text)
+
+    def mark_anew(self, text: str) -> tuple[str, str]:
+        """As `mark`, of a number that another may equal: "12 degrees and 12 px" are two."""
+        place = len(self.copies) + 1
         is_number = _NUMBER.fullmatch(text) or text[0].isdigit()
-        self.marks[text] = ("\ue003" if is_number else "\ue004") + str(place)
-        return f"\ue000{place}\ue001{text}\ue002", self.marks[text]
+        mark = ("\ue003" if is_number else "\ue004") + str(place)
+        self.copies[mark] = text
+        return f"\ue000{place}\ue001{text}\ue002", mark
 
     def filled(self, rng: random.Random, text: str, line: str) -> tuple[str, str]:
         """Return a text and its line with a number in each place of "#"; units are the line's."""
         units = _HOLE.findall(line)
         for unit in units:
-            words, mark = self.mark(_figure(rng, unit))
+            words, mark = self.mark_anew(_figure(rng, unit))
             text, line = text.replace("#", words, 1), _HOLE.sub(mark, line, count=1)
         return text, line
 
@@ -188,8 +194,7 @@ def _whole(text: str, line: str, family: str, draft: Draft) -> Pair | None:
         return None
     words = [each.text for each in copied(pair.text)]
     numbers = [each.quantity.value for each in find(pair.text)]
-    wanted = {mark: copy for copy, mark in draft.marks.items()}
-    meant = [wanted[mark] for mark in re.findall("[\ue003\ue004]\\d+", line)]
+    meant = [draft.copies[mark] for mark in re.findall("[\ue003\ue004]\\d+", line)]
     slots = re.findall(r"(?<!\S)[#@]\d+(?!\S)", pair.query)
     for slot, copy in zip(slots, meant, strict=True):
         place = int(slot[1:]) - 1
@@ -326,7 +331,8 @@ def _joined(rng: random.Random, texts: list[str], layout: Layout) -> str:
         is_loose = layout.form in ("json", "dict", "pairs", "yaml", "tuple", "brackets")
         between = rng.choice((f"{between} ", between)) if is_loose else between
         between = " | " if between == "|" and rng.random() < 0.5 else between
-    return (between or rng.choice(("", " "))).join(texts)
+    between = between or (" " if layout.form == "pairs" else rng.choice(("", " ")))
+    return between.join(texts)
 
 
 def _enumerated(rng: random.Random, texts: list[str], ends: tuple[str, ...]) -> str:
@@ -465,7 +471,7 @@ def _verdict(rng: random.Random, way: str, draft: Draft) -> tuple[str, str]:
         (("L1", first), ("L2", second)), key=lambda each: at[each[0] == "L2"]
     ):
         way = way.replace(label, draft.mark(text)[0], 1).replace(label, text)
-    marks = draft.marks[first], draft.marks[second]
+    marks = draft.mark(first)[1], draft.mark(second)[1]
     text = way.replace("COND", condition)
     return text, f"choose {marks[0]} {line} | {marks[1]} other ; as bare"
 

@@ -13,8 +13,8 @@ from geotlm_lm.query.program import MOST_COPIED, MOST_SLOTS, filled, normal
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.written import worded
-from geotlm_lm.training.forms import _forms, formed
-from geotlm_lm.training.grammar import SPLITS, split_of
+from geotlm_lm.training.forms import Draft, _forms, formed
+from geotlm_lm.training.grammar import SPLITS, numbered, split_of
 from tests.query.programs import there_and_back
 
 FRAME = FrameSpec(mm_per_px=0.05, thread="right", contact_side="head")
@@ -49,6 +49,21 @@ def test_every_pair_is_read_and_answered_in_its_form(split, clip):
         values = answers(program, (clip,), FRAME)
         assert worded(values, program.form, Teller(clip.recording, FRAME), 0.9).text
         assert all(split_of(family) == split for family in pair.families)
+
+
+def test_no_layout_stands_in_two_splits():
+    of_split = {}
+    for layout in _forms().layouts:
+        about = layout.form, layout.around, layout.field, layout.between, layout.style
+        assert of_split.setdefault(about, layout.id) == layout.id
+
+
+def test_equal_numbers_are_copied_each_from_where_it_stands():
+    draft = Draft()
+    (first, one), (second, other) = draft.mark_anew("12"), draft.mark_anew("12")
+    pair = numbered(f"{first} degrees, {second} px", f"> amount slide {other}", ())
+    assert one != other
+    assert pair.query == "> amount slide #2"
 
 
 def test_no_pair_comes_twice_but_by_chance():

@@ -94,6 +94,11 @@ def test_numbers_of_a_text(text, numbers):
     ("IN or OUT?", ["IN", "OUT"]),
     ("PASS if |x-3| <= 1, else FAIL", ["PASS", "FAIL"]),
     ("which one of the two?", []),
+    ('The gel is 2" wide. Print "ok" if it slips, else "bad".', ["ok", "bad"]),
+    ("Does the screw key turn?", []),
+    ("When does the key, seen from behind, turn?", []),
+    ("json, key theta", ["theta"]),
+    ("one field, with key angle", ["angle"]),
 ])  # fmt: skip
 def test_words_that_may_be_copied(text, words):
     assert [each.text for each in copied(text)] == words
