@@ -12,7 +12,7 @@ from . import conversation, stage
 from .guards import QUESTION_CHARACTERS
 from .live import LiveSession, LiveTalk, follow_camera, stop, wait_for, watch_recording
 from .sessions import remove_seen
-from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, filling, gradio, sent
+from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, filling, gradio, sent
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
@@ -78,12 +78,16 @@ def _sources(gr: Any) -> dict[str, Any]:
                     "Stop and clear", min_width=120, elem_classes=["only-shown"]
                 )
         with gr.Column(min_width=220):
-            parts["condition"] = gr.Textbox(
-                label="Mark the moment from which on",
-                placeholder="it has turned 30 degrees clockwise",
-                max_length=QUESTION_CHARACTERS,
-            )
-            parts["mark"] = gr.Button("Mark", min_width=80)
+            with gr.Row(elem_classes=["ask-line"]):
+                parts["condition"] = gr.Textbox(
+                    label="Mark the moment from which on",
+                    placeholder="it has turned 30 degrees clockwise",
+                    max_length=QUESTION_CHARACTERS,
+                    scale=6,
+                    min_width=160,
+                )
+                parts["mark"] = gr.Button("Mark", scale=1, min_width=64)
+            parts["refused"] = complaint()
     return parts
 
 
@@ -102,20 +106,22 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
     now = {**QUIET, "queue": False}
     parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **now)
 
-    waits = filling(parts, partial(wait_for, answerer))
+    beside = parts | {COMPLAINT: parts["refused"]}  # what is wrong with it stands by the condition
+    waits = filling(beside, partial(wait_for, answerer))
     for trigger in (parts["mark"].click, parts["condition"].submit):
-        ends = _ends(parts, ("condition", "live", "frame", "mm_per_px"), ("stage", COMPLAINT))
+        ends = _ends(beside, ("condition", "live", "frame", "mm_per_px"), ("stage", COMPLAINT))
         trigger(waits, *ends, **QUIET, **CAMERA)
 
     def clear(live: LiveSession) -> Iterator[Filled]:
         live.condition = None
         for values in stop(live):
-            yield values | {"condition": "", "camera": gr.Image(value=None, visible=False)}
+            camera = gr.Image(value=None, visible=False)
+            yield values | {"condition": "", "refused": "", "camera": camera}
 
     # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
     parts["clear"].click(
         filling(parts, clear),
-        *_ends(parts, ("live",), (*EMPTIED, "condition", "camera")),
+        *_ends(parts, ("live",), (*EMPTIED, "condition", "refused", "camera")),
         js=STOP_CAMERA,
         **now,
     ).then(lambda: gr.Image(visible=True), None, parts["camera"], **now)

@@ -1,7 +1,8 @@
 """Turns at the model, which everybody shares: requests wait in line, long work lets others in.
 
-A recording is tracked frame by frame; after a tenth of a second its turn is over if others wait,
-and it stands in line again. So a question waits for a slice of each recording, never for a whole.
+A recording is tracked frame by frame; once its slice of time is over it stands in line again if
+others wait. So a question waits for a slice of each recording, never for a whole; slices are the
+shorter the more stand in line.
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from geotlm_lm import GeoTLMError
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, FrameSpec
 
-SLICE_S = 0.1
-"""Time after which a turn is over if others wait: some ten frames of a recording."""
+SLICE_S = 0.4
+"""Time after which a turn is over if one other waits; of more each waits for its share of this."""
 
 REPORTED_EVERY_S = 0.25
 """Time between two reports of progress."""
@@ -90,7 +91,8 @@ class Turn:
         if now_s - self._reported_s >= REPORTED_EVERY_S:
             self._reported_s = now_s
             self._turns.report(what, done, total)
-        if self._turns.waiting and now_s - self._since_s >= self._turns.slice_s:
+        waiting = self._turns.waiting
+        if waiting and now_s - self._since_s >= self._turns.slice_s / waiting:
             self._turns.leave(self)
             self._turns.enter(self)
             self._since_s = time.monotonic()
