@@ -161,7 +161,8 @@ def _spelled(
     word = expression.word
     if word == "again":
         return _fitted(last, wanted, unit)
-    if word in ("unit", "round", "per", "record") and (record := head_of(last)).word == "record":
+    record, is_whole = head_of(last), wanted == "answer"
+    if is_whole and record.word == "record" and word in ("unit", "round", "per", "record"):
         if word == "record":
             return _around(last, of("record", _with_more(expression.arguments[0], record)))
         if expression.arguments[1].word == "again":

@@ -88,6 +88,8 @@ def spelled(now: str, before: str) -> str:
      "behind record @1 way turn , @2 unit rad amount turn end ; as json"),
     ("record @1 way turn end ; as json", "mirror again",
      "mirror record @1 way turn end ; as json"),
+    ("record @1 way turn , @2 amount turn end ; as json", "percent-of unit turn again 1",
+     "percent-of unit turn amount turn 1"),
     ("turn ; as json", "slide", "slide"),
     ("behind way turn", "extent", "behind amount turn"),
     ("mirror way slide", "mirror speed move", "mirror speed slide"),
