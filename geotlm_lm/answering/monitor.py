@@ -18,7 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm.answering.understanding import understand
+from geotlm_lm.answering.understanding import READ, understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import UsageError, check_question
@@ -52,9 +52,6 @@ from geotlm_lm.track.tracker import Tracker
 SURE, UNSURE = 0.95, 0.5
 """Probability from which on a condition holds, and below which it holds no more: between the two it
 stays as it is, so that noise does not make it flicker."""
-
-READ = 0.7
-"""Least probability of a reading: a condition moves a robot, as facts turn a direction."""
 
 OF_DEPTH = frozenset({"press", "in", "out", "move", "still", "any", "pause"})
 """Words of programs that a press changes."""

@@ -29,7 +29,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import WAYS
 from geotlm_lm.query.evaluate import Evidence, with_facts
 from geotlm_lm.query.phrases import facts_phrase, is_plain, label_of, replies, restated
-from geotlm_lm.query.program import Program, head_of, of, type_of
+from geotlm_lm.query.program import TEMPLATES, Program, head_of, of, type_of
 from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import (
     Amount,
@@ -56,9 +56,6 @@ PIXELS_NOTE = "Pixels are those of the"
 
 SILENT = ("cannot", "not-understood", "talk", "help")
 """Remarks that tell nothing of a recording."""
-
-TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets")
-"""Forms that programs read."""
 
 
 def answer(asked: Asked, understood: Understood) -> Answer:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 
 from geotlm_lm.answering.encoded import Encoded
@@ -51,6 +51,12 @@ from geotlm_lm.query.written import decided
 
 LEAST_SURE = 0.5
 """Probability below which an answer is only a guess: it would more likely be wrong than right."""
+
+READ = 0.7
+"""Least probability of a condition's reading: it moves a robot, as facts turn a direction."""
+
+IS_SO = "Is this so: {}?"
+"""Makes a question of a condition."""
 
 OF_CONTACT = frozenset({"touch", "none", "press", "in", "out"})
 """Words of a program that ask whether, or how deep, something touches."""
@@ -264,25 +270,25 @@ def understand(
         unlikely |= OF_TWO
     if asked is not None and (before is None or not before.answers):
         unlikely |= OF_BEFORE
-    readings = reader.readings(question, unlikely=unlikely)
-    if is_condition:
-        readings = _asking(reader, readings)
+    read = partial(_of_condition, reader) if is_condition else reader.readings
+    readings = read(question, unlikely=unlikely)
     understood = _chosen(reader, readings, before or Program(), asked)
     took = 1e3 * (time.perf_counter() - started)
     return replace(understood, milliseconds=took, question=question)
 
 
-def _asking(reader: Reader, readings: list[Reading]) -> list[Reading]:
-    """Return the readings that ask something, as likely as they are among such; all for none."""
-    asking = [each for each in readings if each.program.answers]
-    others = sum(each.chance for each in readings if not each.program.answers)
-    if not asking or not others:
+def _of_condition(reader: Reader, text: str, unlikely: frozenset[str]) -> list[Reading]:
+    """Return the readings of a condition, or of the question whether it is so.
+
+    The reader knows questions best: "it has turned 90 degrees" alone may speak of the camera.
+    """
+    readings = reader.readings(text, unlikely=unlikely)
+    if readings[0].probability >= READ and readings[0].program.answers:
         return readings
-    chances = [min(each.chance / max(1 - others, 1e-6), 1.0) for each in asking]
-    return [
-        replace(each, chance=chance, probability=reader.calibrated(chance))
-        for each, chance in zip(asking, chances, strict=True)
-    ]
+    asked = reader.readings(IS_SO.format(text.strip().rstrip(".?!")), unlikely=unlikely)
+    return max(
+        readings, asked, key=lambda each: each[0].probability * bool(each[0].program.answers)
+    )
 
 
 def _chosen(

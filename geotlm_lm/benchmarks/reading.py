@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
@@ -45,6 +46,7 @@ from geotlm_lm.track.events import COMPONENT_OF, Event, EventKind, Span
 from geotlm_lm.track.summed import belief_of_track
 from geotlm_lm.track.track import Track
 from geotlm_lm.training.calibration import expected_calibration_error
+from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import corpus, grammar
 from geotlm_lm.training.labelled import (
     BLIND,
@@ -81,9 +83,11 @@ BEFORE = read("way turn")
 
 def _reading_rows(run: Run) -> Iterator[Row]:
     some, pairs = run.size(10_000, 40), grammar().pairs(run.seed, "test")
+    forms = formed(random.Random(run.seed), "test")
     sets = {
         "grammar, families held out": of_pairs(islice(pairs, run.size(PAIRS, 60))),
         "corpus, families held out": of_pairs(corpus("test"))[:some],
+        "output forms, layouts held out": of_pairs(islice(forms, run.size(PAIRS // 4, 40))),
         "blind": labelled(BLIND)[:some],
         "set-ups": labelled(SET_UPS)[:some],
         "tune": labelled(TUNE)[:some],

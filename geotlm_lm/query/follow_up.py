@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS
+from geotlm_lm.query.lines import units_of
 from geotlm_lm.query.program import (
     ACCEPTED,
     AROUND,
@@ -23,6 +24,7 @@ from geotlm_lm.query.program import (
     EVENTS,
     GOING,
     MEASURED,
+    TEMPLATES,
     Expression,
     Field,
     Program,
@@ -52,7 +54,7 @@ _MEASURES = (*GOING, "limit")
 _ENDS = ("low", "high", "sigma")
 """What is told of a number's spread; one takes the place of another."""
 
-STRUCTURED = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "list", "table")
+STRUCTURED = (*TEMPLATES, "list", "table")
 """Forms of one answer; the next is told in words again, while a word or a number stays one."""
 
 _PLACED = ("within", "at", *CLIPS)
@@ -83,10 +85,16 @@ def resumed(program: Program, before: Program) -> Program:
         is_about_all = any(each.word == "again" for each in answer)
         for last in before.answers if is_about_all else before.answers[:1]:
             answers.append(_asked(_spelled(_spoken(answer, last), last)))
-    is_kept = program.form == "sentence" and before.form not in STRUCTURED
-    form = before.form if is_kept else program.form
+    is_template = before.form in STRUCTURED and not any(map(_is_filled_again, answers))
+    form = before.form if program.form == "sentence" and not is_template else program.form
     spelled = replace(program, answers=tuple(dict.fromkeys(answers)), form=form)
     return normal(spelled)
+
+
+def _is_filled_again(answer: Expression) -> bool:
+    """Tell whether a template with keys of its own is filled, which stays one."""
+    head = head_of(answer)
+    return head.word == "record" and any(field.key for field in head.arguments[0])
 
 
 def _asked(answer: Expression) -> Expression:
@@ -104,7 +112,21 @@ def _of_subject(answer: Expression, last: Expression) -> Expression:
     is_open = head.word == "extent" or head in (of("speed", "move"), of("top-speed", "move"))
     if not is_open or subject is None:
         return answer
-    return _of_another(answer, subject if subject in ("x", "y") else COMPONENT[subject].value)
+    answer = _of_another(answer, subject if subject in ("x", "y") else COMPONENT[subject].value)
+    return normal(_seen_as(answer, last))
+
+
+def _seen_as(answer: Expression, last: Expression) -> Expression:
+    """Return an answer with the views that stand around the last one, if it has none of its own."""
+    if last.word not in EDIT_WORDS or answer.word in EDIT_WORDS:
+        return answer
+    words = []
+    while last.word in EDIT_WORDS:
+        words.append(last.word)
+        last = last.arguments[-1]
+    for word in reversed(words):
+        answer = of(word, answer)
+    return answer
 
 
 def _of_measure(comparison: Expression, last: Expression) -> Expression | None:
@@ -139,6 +161,13 @@ def _spelled(
     word = expression.word
     if word == "again":
         return _fitted(last, wanted, unit)
+    record, is_whole = head_of(last), wanted == "answer"
+    if is_whole and record.word == "record" and word in ("unit", "round", "per", "record"):
+        if word == "record":
+            return _around(last, of("record", _with_more(expression.arguments[0], record)))
+        if expression.arguments[1].word == "again":
+            fields = tuple(_refined(each, expression) for each in record.arguments[0])
+            return _around(last, of("record", fields))
     if word in ("instead", "with"):
         what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
         return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
@@ -155,6 +184,34 @@ def _spelled(
         for each, type_ in zip(expression.arguments, takes, strict=True)
     )
     return replace(expression, arguments=arguments)
+
+
+def _around(last: Expression, head: Expression) -> Expression:
+    """Return an expression with the views, clips and spans that stand around the last one."""
+    if last == head_of(last):
+        return head
+    *before, inner = last.arguments
+    return replace(last, arguments=(*before, _around(inner, head)))
+
+
+def _with_more(fields: tuple[Field, ...], last: Expression) -> tuple[Field, ...]:
+    """Return the fields of the last record where "again" stands, and others beside them."""
+    more: list[Field] = []
+    for each in fields:
+        spelled = _spelled(each.answer, last)
+        is_again = each.key is None and spelled.word == "record"
+        more += spelled.arguments[0] if is_again else [replace(each, answer=spelled)]
+    return tuple(more)
+
+
+def _refined(field: Field, expression: Expression) -> Field:
+    """Return a field in the unit, or with the decimals, that all are wanted in, if it has such."""
+    if type_of(field.answer) != "number":
+        return field
+    is_fit = expression.word == "round" or head_of(field.answer).word in ("speed", "top-speed")
+    if expression.word == "unit":
+        is_fit = expression.arguments[0] in (units_of(field.answer) or ())
+    return replace(field, answer=_spelled(expression, field.answer)) if is_fit else field
 
 
 def _argument(value: Any, last: Expression, wanted: str, unit: str) -> Any:

@@ -24,6 +24,7 @@ from geotlm_lm.query.program import (
     END_OF_FIELDS,
     FORMS,
     LABELS,
+    MOST_COPIED,
     MOST_SLOTS,
     NAMES,
     OTHERS,
@@ -125,7 +126,7 @@ def _constant(value: str | Number | Text) -> str:
     return value if isinstance(value, str) else f"{'@#'[isinstance(value, Slot)]}{value.index}"
 
 
-def read(line: str, slots: int = MOST_SLOTS, texts: int = MOST_SLOTS) -> Program:
+def read(line: str, slots: int = MOST_SLOTS, texts: int = MOST_COPIED) -> Program:
     """Return the program of a line of words.
 
     Args:
@@ -271,7 +272,8 @@ PROGRAM_WORDS = tuple(
     dict.fromkeys(
         (
             *(";", *BETWEEN.values(), END_OF_FIELDS, "as", "fact", "not"),
-            *(f"{mark}{place + 1}" for mark in "#@" for place in range(MOST_SLOTS)),
+            *(f"#{place + 1}" for place in range(MOST_SLOTS)),
+            *(f"@{place + 1}" for place in range(MOST_COPIED)),
             *(word for words in ACCEPTED.values() for word in words),
             *(*LABELS, *OTHERS),
             *FACTS,
@@ -329,7 +331,11 @@ def _wanted(word: str, arguments: Sequence[Expression]) -> tuple[str, ...] | Non
         return _TIMES
     if word not in (*COMPARED, "+", "-", "percent-of") or not arguments:
         return None
-    measured = arguments[0]
+    return units_of(arguments[0])
+
+
+def units_of(measured: Expression) -> tuple[str, ...] | None:
+    """Return the units that a number may be told in; None where that is not known."""
     while measured.word in _INSIDE:
         measured = measured.arguments[-1]
     if measured.word == "unit":

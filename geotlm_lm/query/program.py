@@ -155,12 +155,19 @@ TWO_CLIPS = (
 FORMS = (
     "sentence", "word", "letter", "number", "sign", "yes-no", "one-zero", "brief", "bare",
     "one-sentence", "list", "table", "json", "csv", "pairs", "yaml", "tuple",
-    "brackets",
+    "brackets", "semicolons", "tabs", "pipes", "markdown", "dict", "tags", "true-false",
 )  # fmt: skip
-"""How an answer is written; "pairs" are lines of key=value, a "tuple" is (1, 2), "brackets" [1]."""
+"""How an answer is written; "pairs" are lines of key=value, a "tuple" is (1, 2), "brackets" [1].
 
-MOST_SLOTS = 9
-"""Quantities, and words, of a text that a program can point at."""
+"semicolons", "tabs" and "pipes" are a CSV's rows parted by these, "markdown" a table of it, "dict"
+one of Python, "tags" are <key>value</key>."""
+
+TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "semicolons", "tabs", "pipes",
+             "markdown", "dict", "tags")  # fmt: skip
+"""Forms that programs read."""
+
+MOST_SLOTS, MOST_COPIED = 9, 20
+"""Quantities of a text, and words of it, that a program can point at."""
 
 _PLAIN = {
     "bool": {

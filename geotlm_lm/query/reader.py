@@ -28,9 +28,10 @@ from geotlm_lm.core.errors import IncompatibleBundle, UsageError, first_line
 from geotlm_lm.core.files import write_text_atomically
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.language.size import SLOTS, TEXT
+from geotlm_lm.query.copied import Copied, copied
 from geotlm_lm.query.lines import END, PROGRAM_WORDS, fitting, read
-from geotlm_lm.query.program import MOST_SLOTS, UNITS, Program, filled
-from geotlm_lm.query.quantities import Copied, Quantity, Stated, copied, find
+from geotlm_lm.query.program import MOST_COPIED, MOST_SLOTS, UNITS, Program, filled
+from geotlm_lm.query.quantities import Quantity, Stated, find
 
 SHORTEST, SHORTEST_WHOLE = 3, 6
 """Letters of a word of which two are swapped, and of one that has lost one."""
@@ -136,10 +137,15 @@ class Spelling:
         """How many ids there are."""
         return self.tokenizer.get_vocab_size() + len(self.words)
 
+    @cached_property
+    def _places(self) -> int:
+        """How many words may be copied: an older model knows fewer places."""
+        return sum(f"@{place}" in self.id_of for place in range(1, MOST_COPIED + 1))
+
     def question(self, text: str) -> Spelled:
         """Return the ids of a question: mended, lower case, its first numbers as slots."""
         text = self.lexicon.mended(text)
-        stated, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[:MOST_SLOTS])
+        stated, words = tuple(find(text)[:MOST_SLOTS]), tuple(copied(text)[: self._places])
         marks = [(each.start, each.end, f"#{k}", _beside(each)) for k, each in enumerate(stated, 1)]
         # A word that may be copied is read as well: its place stands before it.
         marks += [(each.start, each.start, f"@{k}", []) for k, each in enumerate(words, 1)]

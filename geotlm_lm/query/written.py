@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import zip_longest
@@ -29,6 +30,11 @@ from geotlm_lm.query.values import (
 POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
 _BETWEEN = {"pairs": "=", "yaml": ": "}
 _AROUND = {"tuple": "()", "brackets": "[]"}
+_PARTED = {"csv": ",", "semicolons": ";", "tabs": "\t", "pipes": "|"}
+_CODE = re.compile(r"-?(?:0|[1-9]\d{0,8})")
+"""A label that is a number in JSON; "01" is a word."""
+
+_WRITTEN = {"dict": repr, "json": json.dumps}
 
 
 def worded(
@@ -47,9 +53,9 @@ def worded(
         sure: Probability of the whole answer, for JSON.
         guesses: Of which values a sentence says that they are not sure; empty for none.
     """
-    if form == "json":
-        return Wording(json.dumps(as_json(values, teller, sure)), teller.named)
-    if form in ("csv", *_BETWEEN, *_AROUND):
+    if form in _WRITTEN:
+        return Wording(_WRITTEN[form](as_json(values, teller, sure)), teller.named)
+    if form in (*_PARTED, *_BETWEEN, *_AROUND, "markdown", "tags"):
         return Wording(_template(values, form, teller), teller.named)
     if form in ("list", "table"):
         return _listed(values, form, teller)
@@ -78,11 +84,13 @@ def shortened(value: Value, form: str, teller: Teller) -> str | None:
     """Return a value in a short form; None where it has none."""
     if not value.is_known or form in ("sentence", "one-sentence"):
         return None
-    if isinstance(value, Record) and form in ("one-zero", "number", "sign"):
+    if isinstance(value, Record) and form in ("one-zero", "true-false", "number", "sign"):
         parts = [shortened(each, form, teller) for _, each in value.fields]
         return ", ".join(parts) if parts and None not in parts else None
     if form == "one-zero":
         return str(int(value.holds)) if isinstance(value, Truth) else None
+    if form == "true-false":
+        return str(value.holds) if isinstance(value, Truth) else None
     if form == "sign":
         is_moving = isinstance(value, Moved) and value.movements and value.still_axis is None
         way = value.movements[0].way if is_moving else None
@@ -185,7 +193,9 @@ def plain(value: Value, teller: Teller) -> Any:
         return [_event(each) for each in value.shown]
     if isinstance(value, Moved) and head_of(value.of).word == "sure":
         return round(value.probability, 3)
-    return decided(value, teller)
+    word = decided(value, teller)
+    is_code = isinstance(value, Choice) and word is not None and _CODE.fullmatch(word)
+    return int(word) if is_code else word
 
 
 def _event(shown: Shown) -> dict[str, Any]:
@@ -249,26 +259,35 @@ def _rows(values: Sequence[Value]) -> list[dict[str, Any]]:
 
 
 def _template(values: Sequence[Value], form: str, teller: Teller) -> str:
-    if form == "csv" and (rows := _rows(values)):
+    is_parted = form in (*_PARTED, "markdown")
+    if is_parted and (rows := _rows(values)):
         cells = [[_cell(each, teller) if isinstance(each, Value) else each
                   for each in row.values()] for row in rows]  # fmt: skip
-        return _csv([[*rows[0]], *cells])
+        return _parted([[*rows[0]], *cells], form)
     fields = _fields(values)
     words = [_cell(value, teller) for _, value in fields]
     if form in _AROUND:
         return ", ".join(words).join(_AROUND[form])
     keys = [key or name_of(value) for key, value in fields]
+    if form == "tags":
+        pairs = zip(keys, words, strict=True)
+        return "\n".join(f"<{key}>{word}</{key}>" for key, word in pairs)
     if form in _BETWEEN:
         return "\n".join(
             f"{key}{_BETWEEN[form]}{word}" for key, word in zip(keys, words, strict=True)
         )
-    rows = [keys, words] if any(key for key, _ in fields) else [words]
-    return _csv(rows)
+    has_keys = form == "markdown" or any(key for key, _ in fields)
+    return _parted([keys, words] if has_keys else [words], form)
 
 
-def _csv(rows: Sequence[Sequence[Any]]) -> str:
+def _parted(rows: Sequence[Sequence[Any]], form: str) -> str:
+    """Return rows of cells as CSV, parted as the form says, or as a table of Markdown."""
+    if form == "markdown":
+        ruled = [rows[0], ["---"] * len(rows[0]), *rows[1:]]
+        cells = ([("" if cell is None else str(cell)) for cell in row] for row in ruled)
+        return "\n".join(f"| {' | '.join(row)} |" for row in cells)
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
+    csv.writer(text, delimiter=_PARTED[form], lineterminator="\n").writerows(rows)
     return text.getvalue().rstrip("\n")
 
 

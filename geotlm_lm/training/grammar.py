@@ -18,9 +18,18 @@ from functools import lru_cache
 from typing import Any
 
 from geotlm_lm.core.files import training_templates
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.lines import read, write
-from geotlm_lm.query.program import MOST_SLOTS, TRAITS, TWO_CLIPS, head_of, normal, type_of
-from geotlm_lm.query.quantities import copied, find
+from geotlm_lm.query.program import (
+    MOST_COPIED,
+    MOST_SLOTS,
+    TRAITS,
+    TWO_CLIPS,
+    head_of,
+    normal,
+    type_of,
+)
+from geotlm_lm.query.quantities import find
 from geotlm_lm.training.clauses import (
     TWICE,
     VIEWS,
@@ -207,7 +216,7 @@ class Grammar:
                 query, used = f"{query} ; {self._meant(other.query, next_)}", [*used, other.id]
             if len(questions) > 1:
                 text = listed(rng, questions, is_bare=not chosen)
-        return _numbered(_roughened(rng, text), query, tuple(used))
+        return numbered(_roughened(rng, text), query, tuple(used))
 
     def _filled(self, rng: random.Random, text: str, draft: _Draft) -> str:
         """Return a template with its alternatives drawn and its fields filled."""
@@ -253,7 +262,7 @@ class Grammar:
         return query
 
 
-def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
+def numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     """Return a pair with its numbers as slots; None where one is not found again, or too late."""
     spans: dict[str, tuple[int, int]] = {}
     plain, at = "", 0
@@ -264,7 +273,7 @@ def _numbered(text: str, line: str, families: tuple[str, ...]) -> Pair | None:
     plain += text[at:]
     if not plain.strip("?.! "):
         return None
-    offered = {"\ue003": find(plain)[:MOST_SLOTS], "\ue004": copied(plain)[:MOST_SLOTS]}
+    offered = {"\ue003": find(plain)[:MOST_SLOTS], "\ue004": copied(plain)[:MOST_COPIED]}
     for number, (start, end) in spans.items():
         for mark, slot in (("\ue003", "#"), ("\ue004", "@")):
             wanted = re.compile(f"{mark}{number}(?!\\d)")

@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count, islice
 from pathlib import Path
+from random import Random
 from typing import TYPE_CHECKING, Any
 
 import torch
@@ -44,6 +45,7 @@ from geotlm_lm.query.reader import (
     spelled_by,
 )
 from geotlm_lm.training.fit import fit
+from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.language_rows import (
     POOL,
@@ -52,6 +54,7 @@ from geotlm_lm.training.language_rows import (
     Clips,
     Questions,
     hidden,
+    in_parts,
     positions,
     rounded,
     sight,
@@ -77,9 +80,9 @@ HIDDEN = 0.06
 """Mean share of a question's tokens that are hidden; each question's own is between none and twice
 this."""
 
-CORPUS_SHARE, COMPOSED_SHARE = 0.2, 0.1
+CORPUS_SHARE, COMPOSED_SHARE, FORMS_SHARE = 0.2, 0.1, 0.1
 """Shares of questions drawn from the corpus instead of the grammar, half of them with the grammar's
-clauses around, and of programs composed at random."""
+clauses around, of programs composed at random, and of questions for an output of a given form."""
 
 NOISE = 0.2
 """Deviation of the noise on the fused token, in units of its spread over the training clips:
@@ -289,6 +292,7 @@ class _Stage:
             0 if is_english else config.batch,
             CORPUS_SHARE,
             COMPOSED_SHARE,
+            FORMS_SHARE,
             self.taught.passages,
             config.batch if is_english else config.batch // 4,
             config.size.max_tokens,
@@ -322,11 +326,12 @@ class _Stage:
             asked = max(int((wanted != UNASKED).sum()), 1) / ranks.count
             asked /= BESIDE if place else 1
             mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
-            if len(mine.ids):
-                is_spoken = self.name == "sentences"
+            is_spoken = self.name == "sentences"
+            for part, rows in in_parts(mine, ranks.kind):
+                shown = ranks.share(is_hidden)[rows, : part.ids.shape[1]]
+                seen = None if prefix is None else prefix[rows]
                 with ranks.bfloat16_products():
-                    shown = ranks.share(is_hidden), prefix, ranks.device
-                    loss = _loss(model, mine, *shown, is_spoken)
+                    loss = _loss(model, part, shown, seen, ranks.device, is_spoken)
                 (loss / asked).backward()
                 total += loss.item() / asked
         total = ranks.average(model.parameters(), total)
@@ -395,7 +400,12 @@ def train_vocabulary(
     config: LanguageTraining, corpus: Sequence[Pair], passages: Sequence[str] = ()
 ) -> tuple[Any, tuple[str, ...], Lexicon]:
     """Return byte pairs made from questions and English, program words, and frequent words."""
-    pairs = [*islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS), *corpus]
+    shown = formed(Random(config.seed), "train")
+    pairs = [
+        *islice(grammar().pairs(config.seed, "train"), VOCABULARY_PAIRS),
+        *islice(shown, VOCABULARY_PAIRS // 10),
+        *corpus,
+    ]
     texts = [part for pair in pairs for part in _plain_parts(pair.text)]
     lexicon = lexicon_of(texts)
     texts += list(passages[: VOCABULARY_PAIRS // 2])

@@ -1,9 +1,9 @@
 """What the language model learns from: questions, English and answers, drawn afresh and laid out.
 
-Questions come from the grammar, the corpus and programs composed at random, so that no text comes
-twice but by chance; families held out by the grammar are never drawn. Words are read from changing
-byte pairs (BPE-dropout, Provilkov et al. 2020); which of them change no seed governs, as the
-tokenizer draws them.
+Questions come from the grammar, the corpus, programs composed at random and output forms, so that
+no text comes twice but by chance; families held out by the grammar are never drawn. Words are read
+from changing byte pairs (BPE-dropout, Provilkov et al. 2020); which of them change no seed governs,
+as the tokenizer draws them.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.language.size import PREFIX, SLOTS, TEXT
 from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS, SAY, SLOT_TOKENS, Spelling
 from geotlm_lm.training.composed import composed
+from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.thesaurus import thesaurus
 from geotlm_lm.training.truth import UNASKED
@@ -32,8 +33,11 @@ from geotlm_lm.training.truth import UNASKED
 if TYPE_CHECKING:
     from geotlm_lm.training.sentences import Sentences
 
-POOL = 8
+POOL = 16
 """Steps whose rows are drawn together, so that each step's are of about one length."""
+
+PART = 1024
+"""Positions that a processor learns from at once."""
 
 LONGEST_PASSAGE = 64
 """Tokens of a passage of English that are read at once."""
@@ -114,6 +118,23 @@ def laid(rows: Sequence[Row], slot_ids: Sequence[int] = ()) -> Batch:
     )
 
 
+def in_parts(batch: Batch, kind: str) -> Iterator[tuple[Batch, Tensor]]:
+    """Yield a batch's rows in parts of about one length, each with the rows' numbers.
+
+    On a processor a part of some `PART` positions stays in its cache: 1.6 to 2.6 times as fast as
+    all rows at once. On a GPU all are one part.
+    """
+    lengths, left = (batch.kind != PAD).sum(1), (batch.kind != PAD).sum(1).argsort(stable=True)
+    while len(left):
+        # The rows left become longer, so that fewer of them may fit than by the first.
+        widths = -(-lengths[left] // 8) * 8
+        fits = (torch.arange(1, len(left) + 1) * widths <= PART) | (kind != "cpu")
+        count = max(int(fits.sum()), 1)
+        rows, left = left[:count], left[count:]
+        cut = (each[rows, : widths[count - 1]] if each.ndim == 2 else each[rows] for each in batch)
+        yield Batch(*cut), rows
+
+
 def sight(kind: Tensor) -> Tensor:
     """Return what each position may see, (b, s) -> (b, 1, s, s).
 
@@ -169,6 +190,7 @@ class Questions(IterableDataset):
         batch: Questions a step.
         corpus_share: Share of questions drawn from the corpus.
         composed_share: Share of programs composed at random.
+        forms_share: Share of questions that ask for an output of a given form.
         passages: Passages of English, of which `english` come beside each step's questions.
         english: How many.
         room: Ids of the longest row.
@@ -181,6 +203,7 @@ class Questions(IterableDataset):
     batch: int
     corpus_share: float
     composed_share: float
+    forms_share: float
     passages: Sequence[str]
     english: int
     room: int
@@ -211,18 +234,20 @@ class Questions(IterableDataset):
         wanted = POOL * self.batch
         shown = round(wanted * self.corpus_share) if self.corpus else 0
         made = round(wanted * self.composed_share)
-        drawn = list(islice(grammar().pairs(seed, "train"), wanted - shown - made))
+        of_forms = round(wanted * self.forms_share)
+        drawn = list(islice(grammar().pairs(seed, "train"), wanted - shown - made - of_forms))
         labelled = rng.choices(list(self.corpus), k=shown) if shown else []
         labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
         pairs = drawn + labelled
         pairs[::2] = [thesaurus().varied(rng, pair) for pair in pairs[::2]]
+        pairs += islice(formed(rng, "train"), of_forms)
         return pairs + list(islice(composed(rng), made))
 
 
 def _by_length(rows: list[Row], rng: random.Random) -> list[list[Row]]:
     """Return a pool's rows as those of its steps, each of about one length."""
     rng.shuffle(rows)
-    rows.sort(key=lambda row: len(row.question) + len(row.sentence))
+    rows.sort(key=lambda row: len(row.question) + len(row.program) + len(row.sentence))
     ends = [place * len(rows) // POOL for place in range(POOL + 1)]
     steps = [rows[start:end] for start, end in pairwise(ends)]
     rng.shuffle(steps)

@@ -34,9 +34,10 @@ from geotlm_lm.core.numbers import generator_for, seed_for
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.language.size import SLOTS
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import ATOM_OF, MOST_SLOTS, Program, filled, is_void
-from geotlm_lm.query.quantities import copied, find
+from geotlm_lm.query.program import ATOM_OF, MOST_COPIED, MOST_SLOTS, Program, filled, is_void
+from geotlm_lm.query.quantities import find
 from geotlm_lm.runs.run import Workers, do_parts
 from geotlm_lm.simulation.indenters import TRAINING_OBJECTS
 from geotlm_lm.training.config import VALIDATION_EVERY, claim_folder
@@ -241,7 +242,7 @@ def _program(seen_by: Path | Bundle | None, pair: Pair) -> Program | None:
     if not program.answers or words & NEVER or is_unclear or is_void(program):
         return None
     numbers = [each.quantity for each in find(pair.text)[:MOST_SLOTS]]
-    words = [each.text for each in copied(pair.text)[:MOST_SLOTS]]
+    words = [each.text for each in copied(pair.text)[:MOST_COPIED]]
     try:
         program = filled(program, numbers, words)
     except IndexError:  # a slip was mended, and one of them is none any more

@@ -12,7 +12,8 @@ from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, WAYS, Component, Twist
 from geotlm_lm.motion.belief import Belief
-from geotlm_lm.query.quantities import copied, quantities
+from geotlm_lm.query.copied import copied
+from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.reader import Reading
 
 

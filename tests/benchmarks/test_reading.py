@@ -100,6 +100,7 @@ def test_a_writer_asks_each_text_once():
 def test_every_set_is_read(monkeypatch):
     asked = Pair("Does it turn?", "turn", ("time/some.blind",))
     monkeypatch.setattr(reading, "grammar", lambda: SimpleNamespace(pairs=lambda *_: iter([asked])))
+    monkeypatch.setattr(reading, "formed", lambda *_: iter([asked]))
     for name in ("corpus", "labelled", "written_by"):
         rows = [Labelled("Which way?", ("way all",))] if name == "labelled" else [asked]
         monkeypatch.setattr(reading, name, lambda *_, rows=rows: rows)

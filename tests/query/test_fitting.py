@@ -4,10 +4,11 @@ from itertools import islice
 
 import pytest
 
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.evaluate import mm_per_px
 from geotlm_lm.query.lines import END, fitting
-from geotlm_lm.query.program import MOST_SLOTS
-from geotlm_lm.query.quantities import copied, quantities
+from geotlm_lm.query.program import MOST_COPIED, MOST_SLOTS
+from geotlm_lm.query.quantities import quantities
 from geotlm_lm.training.grammar import corpus, grammar
 
 
@@ -38,7 +39,7 @@ def test_what_is_meant_is_never_left_out():
     pairs = [*islice(grammar().pairs(5, "validation"), 250), *corpus("validation")]
     for pair in pairs:
         words, numbers = [*pair.query.split(), END], quantities(pair.text)[:MOST_SLOTS]
-        texts = len(copied(pair.text)[:MOST_SLOTS])
+        texts = len(copied(pair.text)[:MOST_COPIED])
         for place, word in enumerate(words):
             assert word in fitting(words[:place], numbers, texts), pair
 

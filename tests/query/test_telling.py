@@ -65,9 +65,31 @@ def told(line, *clips, texts=(), frame=FRAME):
     ("each turn-events record begin here , amount turn end ; as table",
      "1.0 s | 40 deg\n2.0 s | 15 deg\n3.0 s | 40 deg"),
     ("choose pass turn | fail other ; as bare", "pass"),
+    ("turn ; as true-false", "True"),
+    ("record turn , slide end ; as true-false", "True, False"),
+    ("choose 1 cw | -1 ccw | 0 other ; as bare", "1"),
 ])  # fmt: skip
 def test_a_value_in_the_form_that_was_asked_for(line, text):
     assert told(line) == text
+
+
+@pytest.mark.parametrize(("form", "head"), [
+    ("semicolons", "kind;way;begin_s;end_s;value;unit\n"),
+    ("markdown", "| kind | way | begin_s | end_s | value | unit |\n| --- | --- |"),
+])  # fmt: skip
+def test_a_story_in_rows_has_a_head(form, head):
+    assert told(f"story ; as {form}").startswith(head)
+
+
+def test_what_is_no_truth_is_told_in_full_where_truths_are_wanted():
+    assert told("record turn , way turn end ; as true-false").startswith("Yes: it turns")
+
+
+def test_a_label_of_digits_stays_as_it_is_written():
+    line = "record @1 choose @2 turn | @3 other end ; as "
+    assert told(f"{line}json", texts=("code", "01", "10")) == '{"code": "01"}'
+    assert told(f"{line}json", texts=("code", "1", "0")) == '{"code": 1}'
+    assert told(f"{line}pairs", texts=("code", "01", "10")) == "code=01"
 
 
 def test_what_goes_both_ways_is_told_both_ways():
@@ -97,6 +119,20 @@ def test_a_template_is_filled_under_its_own_keys():
     assert json.loads(told(line, texts=("t0", "dir")))[1] == {"t0": 2.0, "dir": "counterclockwise"}
     line = "record @1 count turn-events , @2 way turn end ; as csv"
     assert told(line, texts=("n", "dir")) == "n,dir\n3,clockwise"
+
+
+@pytest.mark.parametrize(("form", "text"), [
+    ("semicolons", "n;on;way\n3;1;1"),
+    ("tabs", "n\ton\tway\n3\t1\t1"),
+    ("pipes", "n|on|way\n3|1|1"),
+    ("markdown", "| n | on | way |\n| --- | --- | --- |\n| 3 | 1 | 1 |"),
+    ("dict", "{'n': 3.0, 'on': True, 'way': 1}"),
+    ("json", '{"n": 3.0, "on": true, "way": 1}'),
+    ("tags", "<n>3</n>\n<on>1</on>\n<way>1</way>"),
+])  # fmt: skip
+def test_fields_in_every_template(form, text):
+    line = "record @1 count turn-events , @2 turn , @3 choose 1.0: cw | 0 other end ; as "
+    assert told(line + form, texts=("n", "on", "way")) == text
 
 
 def test_a_story_is_a_list_where_one_is_asked_for():
@@ -208,7 +244,22 @@ def test_no_is_told_with_what_is_so_instead():
 @settings(max_examples=60, deadline=None)
 def test_whatever_is_asked_is_told_in_every_form(expression, clips):
     values = answers(p.Program((expression,)), clips, FRAME)
-    for form in ("sentence", "word", "number", "json", "csv", "pairs", "list", "table", "bare"):
+    for form in (
+        "sentence",
+        "word",
+        "number",
+        "json",
+        "csv",
+        "pairs",
+        "list",
+        "table",
+        "bare",
+        "markdown",
+        "dict",
+        "tags",
+        "tabs",
+        "true-false",
+    ):
         assert isinstance(worded(values, form, Teller(clips[-1].recording, FRAME)).text, str)
 
 

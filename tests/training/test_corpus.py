@@ -4,9 +4,10 @@ from itertools import islice
 
 import pytest
 
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.lines import PROGRAM_WORDS, read, write
-from geotlm_lm.query.program import _ANSWERS, MOST_SLOTS, filled, type_of
-from geotlm_lm.query.quantities import copied, quantities
+from geotlm_lm.query.program import _ANSWERS, MOST_COPIED, MOST_SLOTS, filled, type_of
+from geotlm_lm.query.quantities import quantities
 from geotlm_lm.training.grammar import _CHOICE, _FIELD, SPLITS, corpus, grammar, split_of
 from geotlm_lm.training.labelled import BLIND, SET_UPS, TUNE, Labelled, labelled
 
@@ -15,7 +16,7 @@ SETS = {"corpus": CORPUS, BLIND: labelled(BLIND), SET_UPS: labelled(SET_UPS), TU
 
 
 def assert_is_meant(text, line):
-    numbers, texts = (found[:MOST_SLOTS] for found in (quantities(text), copied(text)))
+    numbers, texts = quantities(text)[:MOST_SLOTS], copied(text)[:MOST_COPIED]
     program = read(line, len(numbers), len(texts))
     assert write(program) == line
     filled(program, numbers, texts)

@@ -23,11 +23,13 @@ from geotlm_lm.training.grammar import corpus
 from geotlm_lm.training.language import Taught, train_language, train_vocabulary
 from geotlm_lm.training.language_rows import (
     MASKED,
+    PAD,
     POOL,
     Questions,
     Row,
     english_row,
     hidden,
+    in_parts,
     laid,
     steps_from,
 )
@@ -130,6 +132,21 @@ def test_what_is_wanted_are_programs_sentences_and_slots_each_of_the_state_befor
     assert batch.clip.tolist() == [2, 1]
 
 
+@pytest.mark.parametrize("kind", ["cpu", "cuda"])
+def test_parts_hold_each_row_once_and_whole(kind):
+    lengths = [3, 900, 20, 7, 400, 20, 1500]
+    batch = laid([Row(list(range(1, n + 1)), [2, 3]) for n in lengths])
+    parts = list(in_parts(batch, kind))
+    assert sorted(int(row) for _, rows in parts for row in rows) == list(range(len(lengths)))
+    assert (len(parts) > 1) == (kind == "cpu")
+    for part, rows in parts:
+        for k, row in enumerate(rows):
+            is_text = batch.kind[row] != PAD
+            for cut, whole in ((part.ids, batch.ids), (part.wanted, batch.wanted)):
+                assert torch.equal(cut[k, : int(is_text.sum())], whole[row][is_text])
+            assert (part.kind[k, int(is_text.sum()) :] == PAD).all()
+
+
 def test_each_text_is_hidden_by_its_own_share_and_no_program_is(spelling):
     rows = [Row(list(range(20)), list(range(9)))] * 800
     is_hidden, wanted = hidden(laid(rows), 0.2, torch.Generator().manual_seed(1))
@@ -164,7 +181,7 @@ def test_a_passage_is_guessed_at_or_goes_on(spelling):
 @pytest.mark.slow
 def test_the_same_rows_come_from_any_step_on_and_by_any_number_of_processes(spelling):
     drawing = Questions(
-        spelling, corpus("train")[:20], 4, 0.25, 0.25, PASSAGES, 2, SIZE.max_tokens, seed=5
+        spelling, corpus("train")[:20], 4, 0.25, 0.25, 0.25, PASSAGES, 2, SIZE.max_tokens, seed=5
     )
 
     def rows(step, workers, count, passes=1):

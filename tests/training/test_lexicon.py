@@ -1,6 +1,7 @@
 import pytest
 
-from geotlm_lm.query.quantities import Quantity, copied, quantities
+from geotlm_lm.query.copied import copied
+from geotlm_lm.query.quantities import Quantity, quantities
 from geotlm_lm.query.reader import Lexicon
 from geotlm_lm.training.language import FREQUENT, LEAST, SLIPS, lexicon_of
 
@@ -69,6 +70,35 @@ def test_numbers_of_a_text(text, numbers):
     ("say which way it goes", []),
     ("answer in degrees, otherwise say GO", ["GO"]),
     ('{"cw_deg": 1}', ["cw_deg"]),
+    ('{"way": "<cw|ccw|none>", "deg": <float>, "on": true|false}',
+     ["way", "cw", "ccw", "none", "deg", "on"]),
+    ("YAML with keys way and angle", ["way", "angle"]),
+    ("CSV with header please: touch;angle;far", ["touch", "angle", "far"]),
+    ("one CSV line: turn_way,turn_deg,held", ["turn_way", "turn_deg", "held"]),
+    ("touch\tangle", ["touch", "angle"]),
+    ("columns a, b and c", ["a", "b", "c"]),
+    ("label with one of: twist, off_axis, rest.", ["twist", "off_axis", "rest"]),
+    ("one of: turning left, turning right or no motion?",
+     ["turning left", "turning right", "no motion"]),
+    ("a digit: 0 = rest, 1 = turn, 2 = slide", []),
+    ("a dict with 'cw' (bool) and 'deg' (float)", ["cw", "deg"]),
+    ("<way>cw</way> or <way>ccw</way>", ["way", "cw", "ccw"]),
+    ("fill linear.x and angular.z", ["linear.x", "angular.z"]),
+    ("turnAngle: <float>\ndir: <left|right>", ["turnAngle", "dir", "left", "right"]),
+    ('"deg": "float", "way": "string"', ["deg", "way"]),
+    ('fill "It turned ___ degrees in all, and slid ___ px." and say "done"', ["done"]),
+    ("STOP if it slips, STOP if it turns, else GO", ["STOP", "GO"]),
+    ("WHICH WAY DOES IT TURN, AND HOW FAR?", []),
+    ("degrees/second, and/or", []),
+    ("fill in: keys way and deg", ["way", "deg"]),
+    ("IN or OUT?", ["IN", "OUT"]),
+    ("PASS if |x-3| <= 1, else FAIL", ["PASS", "FAIL"]),
+    ("which one of the two?", []),
+    ('The gel is 2" wide. Print "ok" if it slips, else "bad".', ["ok", "bad"]),
+    ("Does the screw key turn?", []),
+    ("When does the key, seen from behind, turn?", []),
+    ("json, key theta", ["theta"]),
+    ("one field, with key angle", ["angle"]),
 ])  # fmt: skip
 def test_words_that_may_be_copied(text, words):
     assert [each.text for each in copied(text)] == words
