@@ -185,7 +185,7 @@ class LiveStream:
             last = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
             kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
             track = track.between(int(last[0]), int(last[-1]))
-        seen = len(track), self.is_over, is_now  # its end cuts off the last events
+        seen = int(track.numbers[-1]), self.is_over, is_now  # its end cuts off the last events
         if self._shown is not None and self._shown[0] == seen:
             return self._shown[1]
         numbers, frames = zip(*kept, strict=True)

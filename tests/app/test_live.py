@@ -222,4 +222,8 @@ def test_what_happens_now_is_told_of_the_last_second(tmp_path, clock):
     followed(there_and_back().frames[:70], watched)
     track = watched.stream.shown(is_now=True).encoded.track
     assert (track.times_s[0], track.times_s[-1]) == pytest.approx((69 * 0.04 - 1, 69 * 0.04))
+    followed(there_and_back().frames[70:80], watched)
+    later = watched.stream.shown(is_now=True).encoded.track
+    assert len(later) == len(track)
+    assert later.times_s[-1] == pytest.approx(79 * 0.04)
     assert watched.stream.shown().encoded.track.times_s[0] == 0
