@@ -259,7 +259,7 @@ def understand(
         before: What was asked last, if anything was.
         asked: About what: readings are compared by what they come to; None where the program
             itself is wanted.
-        is_condition: Whether it is one, and states no facts alone.
+        is_condition: Whether it is one, read as the question whether it is so where it is not sure.
 
     Raises:
         UsageError: If the question is empty or too long.

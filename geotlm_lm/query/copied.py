@@ -25,7 +25,6 @@ _NO_WORD = re.compile(r"<\w|\w>|\w=\w|[{}\[\]|\t;]|^(?:\.+|…|\?+|_+|\s*)$|^\w+
 
 _TAG = re.compile(r"<([A-Za-z][\w.-]*)>(?=.*</\1>)|(?<=>)([A-Za-z][\w+-]*)(?=</)", re.DOTALL)
 _ITEM = r"[A-Za-z][\w.+-]*"
-_LEADS_TO_KEY = re.compile(r"(?:^|[,.;:(]|\b(?:with|under|as))\s*$", re.IGNORECASE)
 _BETWEEN_BARS = re.compile(r"(?<![\w|])[\w+-][\w.+-]*(?:(?:\s+\|\s+|\|)[\w.+-]+)+(?![\w])")
 _HEADER = re.compile(
     rf"(?<![\w/.]){_ITEM}(?:(?:[;\t]{_ITEM})+|(?:,{_ITEM}){{2,}})(?![\w/])"
@@ -154,9 +153,9 @@ def _listed(text: str) -> Iterator[Copied]:
     """Yield the words of lists: "one of: a, b_c, d", "columns a, b and c"."""
     for name in ("listing", "keyed"):
         for match in _any_of(name).finditer(text):
-            items = list(_items(text, _behind(text, match.end()), name == "listing"))
             if match[0].lower() == "key" and not _is_of_data(text, match):
                 continue
+            items = list(_items(text, _behind(text, match.end()), name == "listing"))
             if len(items) > 1 or name == "keyed":
                 yield from items
 
@@ -164,7 +163,8 @@ def _listed(text: str) -> Iterator[Copied]:
 def _is_of_data(text: str, key: re.Match[str]) -> bool:
     """Tell whether a key is one of JSON, "with key angle", and not "the key turns"."""
     is_named = text[key.end() :].lstrip().startswith((":", "named", "called"))
-    return is_named or _LEADS_TO_KEY.search(text[: key.start()]) is not None
+    *_, before = text[: key.start()].lower().split() or ["."]
+    return is_named or before.endswith(tuple(",.;:(")) or before in _words("before_key")
 
 
 def _behind(text: str, at: int) -> int:
