@@ -61,6 +61,7 @@ async function show(given) {
   shows += 1;
   const value = given && given.json ? JSON.parse(given.json) : given; // as of `toolkit.sent`
   part("condition").textContent = (value && value.condition) || "";
+  part("condition").classList.toggle("held", Boolean(value && (value.marks || []).length));
   element.querySelector(".stage").toggleAttribute("data-open", Boolean(value && Object.keys(value).length));
   if (value && value.stream) await showStream(value, shows);
   else if (value && value.pack) await showRecording(value, shows);
