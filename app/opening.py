@@ -179,7 +179,7 @@ class Opening:
         if (source := examples().get(key)) is None:
             yield _closed([])
             raise GeoTLMError(
-                f"The link names the example {key[:40]!r}, which does not exist; open one below."
+                f"The link names the example {key[:40]!r}, which does not exist; open another."
             )
         for values in self._open(source, []):
             yield values

@@ -92,6 +92,7 @@ async function showRecording(value, turn) {
   scrub.min = 0;
   timeline.show(data);
   if (!isSame) {
+    if (before || element.querySelector(".stage-actions [data-event=collapse]")) reveal();
     const all = await imagesOf(value.pack);
     if (turn !== shows && (!data || data.pack !== value.pack)) return; // another was opened meanwhile
     // What is like the one before takes its place at once, at the same frame.
@@ -111,6 +112,11 @@ async function showRecording(value, turn) {
   element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
 }
 
+// On a narrow page the picture of what was just opened may be out of sight.
+function reveal() {
+  element.querySelector(".stage-screen").scrollIntoView({ block: "nearest" });
+}
+
 // While it is live the newest picture is shown, unless another one was looked for.
 async function showStream(value) {
   const isNew = !data || data.stream !== value.stream, place = isNew ? 0 : data.x[frame];
@@ -122,6 +128,7 @@ async function showStream(value) {
   if (isNew) {
     isPlaying = false;
     isFollowing = true;
+    reveal();
   }
   title();
   const oldest = data.x.findIndex((time) => time >= data.window[0]);
@@ -383,7 +390,11 @@ time.addEventListener("wheel", (event) => {
   } else return;
   event.preventDefault();
 }, { passive: false });
-for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
+for (const action of element.querySelectorAll("[data-event]"))
+  action.onclick = () => {
+    trigger(action.dataset.event);
+    if (action.dataset.event === "expand") element.closest(".tabitem").querySelector(".gallery").scrollIntoView({ block: "nearest" });
+  };
 for (const button of layers) {
   button.onclick = () => {
     button.setAttribute("aria-pressed", !isShown(button.dataset.layer));

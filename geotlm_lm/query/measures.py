@@ -12,7 +12,7 @@ import numpy as np
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import COMPONENTS, MOVING_PX, Component
+from geotlm_lm.core.twist import ASLANT, COMPONENTS, MOVING_PX, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query.evaluate import (
     GRID,
@@ -33,10 +33,6 @@ RATE_S = 0.2
 
 BACK = 0.5
 """Share of the way to its farthest point that is left, at the end, of what comes back."""
-
-ASLANT = 1 / 3
-"""Share of a slide's lesser travel in its greater from which on it is said to go that way too, and
-of a turn's way back in its way there."""
 
 _PLACE = {"turn": 0, "x": 1, "y": 2, "press": 3}
 

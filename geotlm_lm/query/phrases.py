@@ -11,7 +11,7 @@ from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import Component, way_words
 from geotlm_lm.query.lines import Fact
 from geotlm_lm.query.program import (
     EVENTS,
@@ -326,9 +326,7 @@ def limit_phrase(limits: Sequence[Measure]) -> str:
 
 def way_phrase(move: Movement | Shown) -> str:
     """Return where it goes: "left and a little up", "left and up"."""
-    if move.aslant is None:
-        return move.way.value
-    return f"{move.way.value} and {'' if move.is_diagonal else 'a little '}{move.aslant.value}"
+    return way_words(move.way, move.aslant, is_diagonal=move.is_diagonal)
 
 
 def movement_phrase(move: Movement) -> str:
