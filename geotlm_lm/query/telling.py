@@ -224,6 +224,8 @@ def _in_short(teller: Teller, value: Value) -> str:
     if isinstance(value, Amount):
         return f"{'about ' * (value.amount.deviation > 0)}{amount_phrase(value.amount)}"
     if isinstance(value, Moved):
+        if value.denied:
+            return f"does not {_denied(value)}"
         if not value.movements:
             return "touches nothing" if value.rest is Motion.NONE else "does not move"
         return all_of([movement_phrase(move) for move in value.movements])
@@ -237,13 +239,16 @@ def _one_after_another(value: Value) -> list[Shown]:
     return moving if any(each.begin_s >= is_over for each in moving) else []
 
 
+def _denied(motion: Moved) -> str:
+    """Return what of the asked does not move, and from how much on that would be seen."""
+    limits = dict(motion.limits)
+    return " or ".join(DENIED[each] + limit_phrase(limits.get(each, ())) for each in motion.denied)
+
+
 def _clause(teller: Teller, motion: Moved) -> str:
     """Return what moves, what of the asked does not, and the frame where a way is named."""
     who = teller.who(motion)
-    limits = dict(motion.limits)
-    denied = " or ".join(
-        DENIED[each] + limit_phrase(limits.get(each, ())) for each in motion.denied
-    )
+    limits, denied = dict(motion.limits), _denied(motion)
     if motion.still_axis is not None:
         denied = f"slide {TRAIT_WORDS[motion.still_axis]}"
     if motion.rest is not None:

@@ -205,6 +205,16 @@ def test_numbers_of_a_recording(line, value, unit):
     assert found.amount.mean == pytest.approx(value, rel=0.04, abs=0.05)
 
 
+@pytest.mark.parametrize(
+    "line", ["amount turn", "peak turn", "top-speed turn", "at peak-time turn amount turn"]
+)
+def test_what_is_too_small_to_be_seen_is_no_part_of_what_is_seen(line):
+    (seen,) = context_of(BACK_AND_FORTH).clips
+    coarse = replace(seen, worlds=replace(seen.worlds, unseen=50 * seen.worlds.unseen, views={}))
+    fine, other = (answer(lines.read(line).answers[0], context_of(each)) for each in (seen, coarse))
+    assert other.amount == fine.amount
+
+
 @pytest.mark.parametrize(("line", "holds"), [
     ("cw", True),
     ("ccw", False),
