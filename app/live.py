@@ -96,6 +96,7 @@ class LiveStream:
         self._moment: tuple[float, str] | None = None
         self._apart, self._stuck = 1, StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
+        self._began_s = 0.0 if is_camera else time.monotonic()
         self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
         self.session: Any = None  # the conversation; none before the first question
 
@@ -155,7 +156,7 @@ class LiveStream:
             "stream": self.key,
             "live": not self.is_over,
             "name": self.name,
-            "about": f"{learnt} · {self.count} frames",
+            "about": f"{learnt} · {self.count} frames{self._speed()}",
             "aspect": columns / rows,
             "unit": "s",
             "loops": False,
@@ -167,6 +168,13 @@ class LiveStream:
             "marks": [] if self._moment is None else [round(self._moment[0], 3)],
             "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],
         }
+
+    def _speed(self) -> str:
+        """Return how much faster a recording is watched than it was taken."""
+        if self.is_camera or self.is_over:
+            return ""
+        factor = self._now_s / max(time.monotonic() - self._began_s, 1e-3)
+        return f" · {factor:.0f} times as fast" if factor >= 1.5 else ""
 
     def _condition_text(self) -> str:
         if self._monitor is None:
