@@ -54,12 +54,17 @@ def net(
     for happening, share in inside(context, component):
         part = share[..., None] * happening.twist
         total, path = total + part, path + np.abs(part)
-        moved = moved | (happening.is_real & (share > 0))
+        moved = moved | _is_measured(happening, share)
     for happening, share in () if whole is None else inside(whole, component):
-        moved = moved | (happening.is_real & (share > 0))
+        moved = moved | _is_measured(happening, share)
     unseen = np.where(moved[..., None], 0.0, context.worlds.unseen)
     shape = (*np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,)), 4)
     return np.broadcast_to(total + unseen, shape), np.broadcast_to(path + np.abs(unseen), shape)
+
+
+def _is_measured(happening: Happening, share: Floats) -> Bools:
+    """Tell in which worlds a motion is seen and its way known, unlike that of a sudden release."""
+    return happening.is_real & (share > 0) & (happening.path_px > 0)
 
 
 def scale_of(context: Context) -> tuple[str, tuple[float, float]]:
