@@ -210,7 +210,7 @@ def test_how_far_a_sudden_release_goes_is_not_known():
     (clip,) = context_of(BACK_AND_FORTH).clips
     assert any(each.kind is EventKind.RELEASE for each in clip.worlds.happenings)
     coarse = replace(clip, worlds=replace(clip.worlds, unseen=clip.worlds.unseen + 0.1, views={}))
-    pressed = evaluate(lines.read("amount press").answers[0], context_of(coarse))
+    pressed = evaluate(lines.read("within recording amount press").answers[0], context_of(coarse))
     assert (pressed.values > 0).all()
 
 
