@@ -80,7 +80,9 @@ def _details(gr: Any) -> dict[str, Any]:
     return parts
 
 
-CHOOSE_SECOND = "Choose a second recording below, or drop one there: both are asked about then."
+CHOOSE_SECOND = (
+    "Choose a second recording among the examples, or drop one there: questions are about both."
+)
 
 CODE = '<button type="button" hidden>Copy</button><pre tabindex="0" aria-label="Code"></pre>'
 

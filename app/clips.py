@@ -33,7 +33,7 @@ from .guards import KEPT_OPEN_BYTES, KEPT_OPEN_S
 from .sources import Sources
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer
+    from geotlm_lm import Answerer, Tracker
 
 Image = NDArray[np.uint8]
 
@@ -48,10 +48,6 @@ ADVICE = {
     "by --topic": "as `topic`, on the page under Details of the Ask tab",
 }
 """Advice for a person at the command line, and for one at the page."""
-
-
-Follow = Callable[[Any], None]
-"""Looks at the tracker of a recording after each of its frames."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +98,7 @@ def perceive(
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
     source: Source | None = None,
-    follow: Follow = lambda _: None,
+    follow: Callable[[Tracker], None] = lambda _: None,
 ) -> LoadedClip:
     """Perceive or track a clip, or its frames from first to last of `span`, once.
 

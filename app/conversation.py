@@ -51,8 +51,7 @@ OF_A_CLIP = (
 STORY = "What happens first and what then?"
 OF_EVENTS = {
     "turn": ("How far did it turn?", "How fast did it turn?"),
-    "slide": ("How far did it slide?",),
-    "slip": ("When did it slip?",),
+    "slide": ("How far did it slide?", "When did it slip?"),
     "touch": ("How long did it touch?",),
 }
 """Questions about events of a kind."""

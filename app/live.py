@@ -96,6 +96,7 @@ class LiveStream:
         self._moment: tuple[float, str] | None = None
         self._apart, self._stuck = 1, StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
+        self._began_s = 0.0 if is_camera else time.monotonic()
         self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
         self.session: Any = None  # the conversation; none before the first question
 
@@ -118,11 +119,15 @@ class LiveStream:
         return events
 
     def wait_for(self, condition: Any) -> None:
-        """Mark the moment at which a condition first holds, from now on; None waits for nothing."""
+        """Mark the moment at which a condition first holds, in what was seen by now or from now on.
+
+        None waits for nothing.
+        """
         from geotlm_lm import Monitor  # with the model's libraries
 
         self._monitor = None if condition is None else Monitor(self._tracker, condition)
-        self._moment = None
+        held = None if self._monitor is None else self._monitor.look_back()
+        self._moment = None if held is None else (held.time_s, held.text)
 
     def finish(self) -> None:
         """Take the last events as the end cuts them off; nothing is fed after that."""
@@ -151,7 +156,7 @@ class LiveStream:
             "stream": self.key,
             "live": not self.is_over,
             "name": self.name,
-            "about": f"{learnt} · {self.count} frames",
+            "about": f"{learnt} · {self.count} frames{self._speed()}",
             "aspect": columns / rows,
             "unit": "s",
             "loops": False,
@@ -163,6 +168,13 @@ class LiveStream:
             "marks": [] if self._moment is None else [round(self._moment[0], 3)],
             "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],
         }
+
+    def _speed(self) -> str:
+        """Return how much faster a recording is watched than it was taken."""
+        if self.is_camera or self.is_over:
+            return ""
+        factor = self._now_s / max(time.monotonic() - self._began_s, 1e-3)
+        return f" · {factor:.0f} times as fast" if factor >= 1.5 else ""
 
     def _condition_text(self) -> str:
         if self._monitor is None:
@@ -246,15 +258,24 @@ class LiveSession:
 def wait_for(
     answerer: Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
 ) -> Iterator[Filled]:
-    """Mark the moment from which on a condition in words holds; no words wait for nothing."""
-    frame = FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
-    live.condition = answerer.condition(text, frame=frame) if text.strip() else None
+    """Mark the moment from which on a condition in words holds; no words wait for nothing.
+
+    Nor does one that is refused: the one before was not meant any more.
+    """
+    frame, refused = FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None), None
+    live.condition = None
+    try:
+        live.condition = answerer.condition(text, frame=frame) if text.strip() else None
+    except GeoTLMError as error:
+        refused = error
     if live.stream is None:
         words = live.condition and f"Will wait for this: {live.condition.restated}."
         yield {"stage": {"condition": words or ""}}
-        return
-    live.stream.wait_for(live.condition)
-    yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
+    else:
+        live.stream.wait_for(live.condition)
+        yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
+    if refused is not None:
+        raise refused
 
 
 def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:

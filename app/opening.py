@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
 from html import escape
@@ -30,7 +30,6 @@ from geotlm_lm import (
 
 from . import stage
 from .clips import (
-    Follow,
     LoadedClip,
     Source,
     compared,
@@ -47,7 +46,7 @@ from .toolkit import Filled, html
 from .turns import reported
 
 if TYPE_CHECKING:
-    from geotlm_lm import Answerer
+    from geotlm_lm import Answerer, Tracker
 
 FIRST = "recording_key"
 """Opened with the page: a touch, a turn there and back, a slip and a release."""
@@ -179,7 +178,7 @@ class Opening:
         if (source := examples().get(key)) is None:
             yield _closed([])
             raise GeoTLMError(
-                f"The link names the example {key[:40]!r}, which does not exist; open one below."
+                f"The link names the example {key[:40]!r}, which does not exist; open another."
             )
         for values in self._open(source, []):
             yield values
@@ -235,7 +234,7 @@ class Opening:
             raise
 
     def _perceive(
-        self, source: Source, recording: Any, follow: Follow = lambda _: None
+        self, source: Source, recording: Any, follow: Callable[[Tracker], None] = lambda _: None
     ) -> LoadedClip:
         """Return a recording for questions; an example is perceived once."""
         options = {"span": source.span, "source": source, "follow": follow}

@@ -99,10 +99,7 @@ const parts = {
   examples() {
     element.addEventListener("click", (event) => {
       const chosen = event.target.closest("button");
-      if (!chosen) return;
-      trigger("click", { example: chosen.dataset.example });
-      const stage = element.closest(".tabitem").querySelector(".stage");
-      if (stage.getBoundingClientRect().top < 0) stage.scrollIntoView();
+      if (chosen) trigger("click", { example: chosen.dataset.example });
     });
   },
 

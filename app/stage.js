@@ -61,6 +61,7 @@ async function show(given) {
   shows += 1;
   const value = given && given.json ? JSON.parse(given.json) : given; // as of `toolkit.sent`
   part("condition").textContent = (value && value.condition) || "";
+  part("condition").classList.toggle("held", Boolean(value && (value.marks || []).length));
   element.querySelector(".stage").toggleAttribute("data-open", Boolean(value && Object.keys(value).length));
   if (value && value.stream) await showStream(value, shows);
   else if (value && value.pack) await showRecording(value, shows);
@@ -91,6 +92,7 @@ async function showRecording(value, turn) {
   scrub.min = 0;
   timeline.show(data);
   if (!isSame) {
+    if (before || element.querySelector(".stage-actions [data-event=collapse]")) reveal();
     const all = await imagesOf(value.pack);
     if (turn !== shows && (!data || data.pack !== value.pack)) return; // another was opened meanwhile
     // What is like the one before takes its place at once, at the same frame.
@@ -110,6 +112,11 @@ async function showRecording(value, turn) {
   element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
 }
 
+// On a narrow page the picture of what was just opened may be out of sight.
+function reveal() {
+  element.querySelector(".stage-screen").scrollIntoView({ block: "nearest" });
+}
+
 // While it is live the newest picture is shown, unless another one was looked for.
 async function showStream(value) {
   const isNew = !data || data.stream !== value.stream, place = isNew ? 0 : data.x[frame];
@@ -121,6 +128,7 @@ async function showStream(value) {
   if (isNew) {
     isPlaying = false;
     isFollowing = true;
+    reveal();
   }
   title();
   const oldest = data.x.findIndex((time) => time >= data.window[0]);
@@ -382,7 +390,11 @@ time.addEventListener("wheel", (event) => {
   } else return;
   event.preventDefault();
 }, { passive: false });
-for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
+for (const action of element.querySelectorAll("[data-event]"))
+  action.onclick = () => {
+    trigger(action.dataset.event);
+    if (action.dataset.event === "expand") element.closest(".tabitem").querySelector(".gallery").scrollIntoView({ block: "nearest" });
+  };
 for (const button of layers) {
   button.onclick = () => {
     button.setAttribute("aria-pressed", !isShown(button.dataset.layer));

@@ -56,7 +56,7 @@ LANES = {
     "contact": ("touch", "press", "release"),
     "turn": ("turn",),
     "slide": ("slide",),
-    "grip": ("stick", "slip"),
+    "held": ("stick",),
 }
 """Rows of the timeline, and the kinds of events in each."""
 
@@ -65,7 +65,7 @@ OF_MOTION = "Which way is it moving?"
 FINE, LEAST_SHARE = 8, 0.004
 """Outlines are drawn on a mask that is so many times finer, around what fills so much of it."""
 
-OPEN_ONE = "Open a recording below, or drop your own there: it plays here."
+OPEN_ONE = "Open one of the examples, or drop your own recording there: it plays here."
 
 
 COMPARE = '<button type="button" data-event="expand">Compare</button>'
@@ -301,7 +301,7 @@ def timeline_of(
         places = places[np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)]
     bands = [band for band in drawing.bands if band.event.end_s >= since_s]
     curves = {"contact": "contact", "turn": "turn", "slide": "travel"}
-    of_unit = {"contact": "", "turn": DEGREE, "slide": drawing.units.name, "grip": ""}
+    of_unit = {"contact": "", "turn": DEGREE, "slide": drawing.units.name, "held": ""}
     lanes = [
         {
             "name": lane,
@@ -352,9 +352,8 @@ def _event(band: Any, axis_unit: str) -> dict[str, Any]:
     event, unit = band.event, DEGREE if band.unit == "deg" else band.unit
     is_timed = axis_unit == "s"
     begin, end = (event.begin_s, event.end_s) if is_timed else (event.begin, event.end)
-    way = band.name.removeprefix(event.kind.value).strip()
     far = _figure(band.amount, unit) if unit else ""
-    text = {"turn": f"{way} {far}", "slide": f"{far} {way}", "stick": "held", "slip": "slip"}
+    text = {"turn": f"{band.way} {far}", "slide": f"{far} {band.way}", "stick": "held"}
     return {
         "kind": event.kind.value,
         "text": text.get(event.kind.value, f"{event.kind.value} {far}").strip(),

@@ -3,7 +3,7 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const LEFT = 64, RIGHT = 10, STRIP = 16, GAP = 5, AXIS = 22;
-const CURVE = { contact: 16, turn: 44, slide: 44, grip: 0 };
+const CURVE = { contact: 16, turn: 44, slide: 44, held: 0 };
 
 function svg(name, attributes, text) {
   const made = document.createElementNS(SVG, name);
@@ -288,7 +288,7 @@ const GLYPHS = { counterclockwise: "↺", clockwise: "↻", left: "←", right: 
 
 // An event's way as a sign and how far it goes, where there is no room for the words.
 function inShort(text) {
-  const way = Object.keys(GLYPHS).find((each) => text.includes(each));
+  const way = text.split(" ").find((word) => word in GLYPHS);
   return way ? `${GLYPHS[way]} ${text.match(/[0-9.]+°?/)?.[0] || ""}` : "";
 }
 

@@ -56,6 +56,9 @@ stays as it is, so that noise does not make it flicker."""
 OF_DEPTH = frozenset({"press", "in", "out", "move", "still", "any", "pause"})
 """Words of programs that a press changes."""
 
+LOOKS = 150
+"""Moments at most at which a look back asks first whether a condition holds."""
+
 NEEDS = ("scale", "thread", "side", "unit", "pixel", "second", "before", "rate", "share", "place")
 """Reasons for which a condition could never be told, whatever happens."""
 
@@ -151,6 +154,9 @@ def condition_of(bundle: Bundle, text: str, frame: FrameSpec, *, is_negated: boo
             f"{understood.probability:.0%}, is {words}: say it in other words, such as 'it has "
             f"turned 30 degrees clockwise' or 'it slips by more than 0.5 mm'."
         )
+    if [each.word for each in program.answers] == ["cannot"]:
+        why = replies()["untold"][program.answers[0].arguments[0]]
+        raise UsageError(f"The condition '{text}' can never be told: {why}")
     if len(program.answers) != 1 or type_of(program.answers[0]) not in ("bool", "time"):
         raise UsageError(
             f"The condition '{text}' was read as {words}, expected something that holds or does "
@@ -376,6 +382,49 @@ class Monitor:
             self._own is None,
             1e3 * (time.perf_counter() - started),
             partial(_worded, self.condition, context),
+        )
+
+    def look_back(self) -> Verdict | None:
+        """Return the verdict at the first frame so far at which it held; None where it never did.
+
+        Each frame is judged by those up to it, as they are settled by now, relative to the sensor;
+        how long it lasted is not asked.
+        """
+        started, track = time.perf_counter(), self.tracker.so_far
+        looks = min(len(track) - 1, LOOKS)
+        if looks < 1:
+            return None
+
+        def chance(last: int) -> tuple[Context, float]:
+            begin_s, end_s = map(float, track.times_s[[0, last]])
+            seen = evidence_now(track.between(begin_s, end_s, unit="s"), self._fps)
+            context = Context((seen,), self.condition.frame)
+            return context, self._chance(context) or 0.0
+
+        before = 0
+        for place in np.linspace(1, len(track) - 1, looks).astype(int).tolist():
+            context, probability = chance(place)
+            if probability >= self._sure:
+                break
+            before = place
+        else:
+            return None
+        while place - before > 1:  # the first frame of these
+            middle = (before + place) // 2
+            at_middle = chance(middle)
+            if at_middle[1] < self._sure:
+                before = middle
+            else:
+                place, (context, probability) = middle, at_middle
+        return Verdict(
+            float(track.times_s[place]),
+            int(track.numbers[place]),
+            probability,
+            holds=True,
+            is_new=True,
+            is_relative=True,
+            latency_ms=1e3 * (time.perf_counter() - started),
+            evidence=partial(_worded, self.condition, context),
         )
 
     def _context(self, track: Track) -> Context:

@@ -44,6 +44,11 @@ BARELY_PX, BARELY_MM = 1.0, 0.15
 """Path below which a turn or a slide, and a press, that is seen is said to move barely."""
 
 
+ASLANT, DIAGONAL = 1 / 3, math.tan(math.radians(30))
+"""Share of a slide's lesser travel in its greater from which on it is said to go that way too, and
+from which on it goes both ways alike."""
+
+
 @dataclass(frozen=True)
 class Twist:
     """How an object moves between two times: it turns about the middle of the contact."""
@@ -72,6 +77,15 @@ class Twist:
         """Return the name nearest to a component's direction; of a slide one of four."""
         return max(WAYS[component], key=self.along)
 
+    def lesser_way(self) -> tuple[Motion | None, bool]:
+        """Return where a slide goes besides its greater way, if it does, and whether as far."""
+        way = self.way(Component.SLIDE)
+        far = {each: max(self.along(each) or 0.0, 0.0) for each in WAYS[Component.SLIDE]}
+        greatest = max(far.pop(way), 1e-9)
+        other = max(far, key=far.__getitem__)
+        share = far[other] / greatest
+        return other if share >= ASLANT else None, share >= DIAGONAL
+
     def path(self, component: Component, radius_px: float) -> float:
         """Return how far a component moves the imprint: pixels, of a press millimetres.
 
@@ -82,6 +96,13 @@ class Twist:
             Component.SLIDE: self.slide_px,
             Component.PRESS: abs(self.inward_mm),
         }[component]
+
+
+def way_words(way: Motion, lesser: Motion | None, *, is_diagonal: bool) -> str:
+    """Return where a motion goes: "left and a little up", "left and up"."""
+    if lesser is None:
+        return way.value
+    return f"{way.value} and {'' if is_diagonal else 'a little '}{lesser.value}"
 
 
 def moves(component: Component, path: float) -> bool | None:

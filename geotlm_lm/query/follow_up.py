@@ -25,6 +25,7 @@ from geotlm_lm.query.program import (
     GOING,
     MEASURED,
     TEMPLATES,
+    Case,
     Expression,
     Field,
     Program,
@@ -162,12 +163,11 @@ def _spelled(
     if word == "again":
         return _fitted(last, wanted, unit)
     record, is_whole = head_of(last), wanted == "answer"
-    if is_whole and record.word == "record" and word in ("unit", "round", "per", "record"):
-        if word == "record":
-            return _around(last, of("record", _with_more(expression.arguments[0], record)))
-        if expression.arguments[1].word == "again":
-            fields = tuple(_refined(each, expression) for each in record.arguments[0])
-            return _around(last, of("record", fields))
+    if is_whole and word == record.word == "record":
+        return _around(last, of("record", _with_more(expression.arguments[0], record)))
+    is_of_many = is_whole and record.word in ("record", "each")
+    if is_of_many and word in ("unit", "round", "per") and expression.arguments[1].word == "again":
+        return _refined(last, expression)
     if word in ("instead", "with"):
         what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
         return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
@@ -204,14 +204,23 @@ def _with_more(fields: tuple[Field, ...], last: Expression) -> tuple[Field, ...]
     return tuple(more)
 
 
-def _refined(field: Field, expression: Expression) -> Field:
-    """Return a field in the unit, or with the decimals, that all are wanted in, if it has such."""
-    if type_of(field.answer) != "number":
-        return field
-    is_fit = expression.word == "round" or head_of(field.answer).word in ("speed", "top-speed")
+def _refined(answer: Expression, expression: Expression) -> Expression:
+    """Return what was asked, all of it that has such, in the unit or decimals that are wanted."""
+    head = head_of(answer)
+    if head.word == "record":
+        fields = (
+            replace(each, answer=_refined(each.answer, expression)) for each in head.arguments[0]
+        )
+        return _around(answer, of("record", tuple(fields)))
+    if head.word == "each":
+        events, inner = head.arguments
+        return _around(answer, of("each", events, _refined(inner, expression)))
+    if type_of(answer) != "number":
+        return answer
+    is_fit = expression.word == "round" or head.word in ("speed", "top-speed")
     if expression.word == "unit":
-        is_fit = expression.arguments[0] in (units_of(field.answer) or ())
-    return replace(field, answer=_spelled(expression, field.answer)) if is_fit else field
+        is_fit = expression.arguments[0] in (units_of(answer) or ())
+    return _spelled(expression, answer) if is_fit else answer
 
 
 def _argument(value: Any, last: Expression, wanted: str, unit: str) -> Any:
@@ -320,12 +329,24 @@ def _with_number(expression: Expression, number: Expression) -> Expression:
     """Return an expression with another number in the place of its first one."""
     if expression.value is not None:
         return number
-    for place, each in enumerate(expression.arguments):
-        if isinstance(each, Expression) and any(inner.value is not None for inner in each):
-            arguments = list(expression.arguments)
-            arguments[place] = _with_number(each, number)
-            return replace(expression, arguments=tuple(arguments))
-    return expression
+    return replace(expression, arguments=_renumbered(expression.arguments, number))
+
+
+def _renumbered(arguments: tuple[Any, ...], number: Expression) -> tuple[Any, ...]:
+    """Return arguments, cases or fields with another number in the place of their first one."""
+    changed = list(arguments)
+    for place, each in enumerate(arguments):
+        inner = {Case: "holds", Field: "answer"}.get(type(each))
+        asked = each if inner is None else getattr(each, inner)
+        if isinstance(asked, tuple):
+            changed[place] = _renumbered(asked, number)
+        elif isinstance(asked, Expression) and any(part.value is not None for part in asked):
+            asked = _with_number(asked, number)
+            changed[place] = asked if inner is None else replace(each, **{inner: asked})
+            break
+        if changed[place] != each:
+            break
+    return tuple(changed)
 
 
 _SPOKEN = {

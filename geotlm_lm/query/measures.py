@@ -12,7 +12,7 @@ import numpy as np
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.tolerance import TOLERANCES
-from geotlm_lm.core.twist import COMPONENTS, MOVING_PX, Component
+from geotlm_lm.core.twist import ASLANT, COMPONENTS, MOVING_PX, Component
 from geotlm_lm.query import program as p
 from geotlm_lm.query.evaluate import (
     GRID,
@@ -34,30 +34,37 @@ RATE_S = 0.2
 BACK = 0.5
 """Share of the way to its farthest point that is left, at the end, of what comes back."""
 
-ASLANT = 1 / 3
-"""Share of a slide's lesser travel in its greater from which on it is said to go that way too, and
-of a turn's way back in its way there."""
-
 _PLACE = {"turn": 0, "x": 1, "y": 2, "press": 3}
 
 
-def net(context: Context, component: Component) -> tuple[Floats, Floats]:
+def net(
+    context: Context, component: Component, whole: Context | None = None
+) -> tuple[Floats, Floats]:
     """Return the net and the whole motion of a component in a span, up to a moment.
 
     Both are (..., COUNT, 4); the whole motion is the path of each of its numbers, there and back.
+    What is too small to be seen is added where nothing moves in the span, or in the whole of which
+    it is a part.
     """
     context.trace.components[component] = None
     begin, end = context.span
     end = end if context.now is None else context.now
     # Adding what is over costs as many numbers as there are worlds, not moments times worlds.
-    total, whole, moved = np.zeros((COUNT, 4)), np.zeros((COUNT, 4)), np.zeros(COUNT, bool)
+    total, path, moved = np.zeros((COUNT, 4)), np.zeros((COUNT, 4)), np.zeros(COUNT, bool)
     for happening, share in inside(context, component):
         part = share[..., None] * happening.twist
-        total, whole = total + part, whole + np.abs(part)
-        moved = moved | (happening.is_real & (share > 0))
+        total, path = total + part, path + np.abs(part)
+        moved = moved | _is_measured(happening, share)
+    for happening, share in () if whole is None else inside(whole, component):
+        moved = moved | _is_measured(happening, share)
     unseen = np.where(moved[..., None], 0.0, context.worlds.unseen)
     shape = (*np.broadcast_shapes(np.shape(begin), np.shape(end), (COUNT,)), 4)
-    return np.broadcast_to(total + unseen, shape), np.broadcast_to(whole + np.abs(unseen), shape)
+    return np.broadcast_to(total + unseen, shape), np.broadcast_to(path + np.abs(unseen), shape)
+
+
+def _is_measured(happening: Happening, share: Floats) -> Bools:
+    """Tell in which worlds a motion is seen and its way known, unlike that of a sudden release."""
+    return happening.is_real & (share > 0) & (happening.path_px > 0)
 
 
 def scale_of(context: Context) -> tuple[str, tuple[float, float]]:
@@ -240,9 +247,9 @@ def _readable(context: Context, atom: str) -> str:
     return atom
 
 
-def _net(context: Context, atom: str) -> Numbers:
+def _net(context: Context, atom: str, whole: Context | None = None) -> Numbers:
     atom = _readable(context, atom)
-    return measured(context, atom, net(context, COMPONENT[atom])[0])
+    return measured(context, atom, net(context, COMPONENT[atom], whole)[0])
 
 
 def _amount(context: Context, atom: str) -> Numbers:
@@ -284,7 +291,7 @@ def _edges(context: Context, atom: str) -> tuple[Floats, Numbers]:
     for happening in context.worlds.motions(COMPONENT[atom]):
         times |= {t for t in (happening.begin_s, happening.end_s) if begin <= t <= end}
     edges = np.array(sorted(times))
-    return edges, _net(replace(context, now=edges[:, None]), atom)
+    return edges, _net(replace(context, now=edges[:, None]), atom, context)
 
 
 def _peak(context: Context, atom: str) -> Numbers:
@@ -335,7 +342,7 @@ def _rate(context: Context, atom: str, now: Floats) -> Numbers:
     worlds = context.timed()
     early = np.maximum(now - RATE_S / 2, worlds.begin_s)
     late = np.minimum(now + RATE_S / 2, worlds.end_s)
-    way = _net(context.within(early, late), atom)
+    way = _net(context.within(early, late), atom, replace(context, now=None))
     ticks = np.maximum(late - early, 1e-9) / context.clock_step
     return _over(way, way.values / ticks, context.clock_unit, RATE_S / context.clock_step)
 

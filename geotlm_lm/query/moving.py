@@ -6,7 +6,6 @@ so.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -17,7 +16,7 @@ from geotlm_lm.core.edit import opposite
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.labels import SLIDES, Motion
 from geotlm_lm.core.tolerance import RELATIVE_TOLERANCE
-from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component
+from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, DIAGONAL, WAYS, Component, Twist
 from geotlm_lm.motion.belief import PX_PER_MM, SPAN_DEVIATIONS
 from geotlm_lm.query.arithmetic import SPAN
 from geotlm_lm.query.evaluate import (
@@ -27,7 +26,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import ASLANT, going_on, holds, measured, net
+from geotlm_lm.query.measures import going_on, holds, measured, net
 from geotlm_lm.query.program import ATOM_OF, AXIS, UNITS, of
 from geotlm_lm.query.values import (
     Measure,
@@ -37,9 +36,6 @@ from geotlm_lm.query.values import (
     measure,
 )
 from geotlm_lm.query.worlds import COUNT, Happening, path_px, way_of
-
-DIAGONAL = math.tan(math.radians(30))
-"""Share of how far a slide goes the greater way from which on it goes both ways alike."""
 
 SURELY = 0.9
 """Share of the worlds in which it has to."""
@@ -303,11 +299,7 @@ def shown(context: Context, happening: Happening) -> Shown:
         numbers = measured(context, happening.component.value, happening.twist)
         amount, _ = spread(numbers, is_real, replace(context, trace=Trace(reason="none-such")))
     path = float(np.median(happening.path_px[is_real])) if is_real.any() else 0.0
-    way, aslant, share = way_of(happening.kind, mean), None, 0.0
-    if way in SLIDES:
-        along = {each: max(float(mean @ AXIS[ATOM_OF[each]]), 0.0) for each in SLIDES}
-        other = max((each for each in SLIDES if each is not way), key=along.__getitem__)
-        share = along[other] / max(along[way], 1e-9)
-        aslant = other if share >= ASLANT else None
+    way = way_of(happening.kind, mean)
+    aslant, is_diagonal = Twist(*mean).lesser_way() if way in SLIDES else (None, False)
     return Shown(happening.kind, way, happening.begin_s, happening.end_s, amount, path,
-                 happening.probability, happening.is_edge, aslant, share >= DIAGONAL)  # fmt: skip
+                 happening.probability, happening.is_edge, aslant, is_diagonal)  # fmt: skip

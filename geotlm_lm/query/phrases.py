@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Sequence
 from functools import lru_cache
@@ -11,7 +12,7 @@ from geotlm_lm.core.edit import Edit
 from geotlm_lm.core.files import resource_dir
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.core.twist import Component
+from geotlm_lm.core.twist import Component, way_words
 from geotlm_lm.query.lines import Fact
 from geotlm_lm.query.program import (
     EVENTS,
@@ -249,6 +250,12 @@ UNSEEN = {
 }
 _UNITS = {"deg": "degrees", "rad": "radians", "gon": "gradians", "turn": "turns", "inch": "inches",
           "frame": "frames", "percent": "%"}  # fmt: skip
+_ONE = {"inches": "inch"} | {
+    name: name.removesuffix("s") for name in _UNITS.values() if name not in ("inches", "%")
+}
+"""Units' names, and what they are called of one."""
+_OF_ONE = re.compile(rf"(?<![\d.])1 ({'|'.join(_ONE.values())})\b")
+_OF_MANY = re.compile(rf"(?<![\d.])1 ({'|'.join(_ONE)})\b")
 _PER = {"s": "second", "min": "minute", "frame": "frame", "ms": "millisecond", "deg": "degree",
         "rad": "radian"}  # fmt: skip
 _IMAGE = {
@@ -310,10 +317,21 @@ def unit_phrase(amount: Measure) -> str:
     unit, _, per = amount.unit.partition("/")
     name = _UNITS.get(unit, unit)
     if amount.value == 1:
-        name = name.removesuffix("s") if name not in ("s", "ms", "us") else name
+        name = _ONE.get(name, name)
     per_phrase = f" per {_PER.get(per, per)}" if per else ""
     gap = "" if name in ("", "%") else " "
     return f"{gap}{name}{per_phrase}"
+
+
+def with_plurals(text: str) -> str:
+    """Return a text in which units are those of many, whatever number is copied before them."""
+    many = {singular: plural for plural, singular in _ONE.items()}
+    return _OF_ONE.sub(lambda match: f"1 {many[match[1]]}", text)
+
+
+def with_singulars(text: str) -> str:
+    """Return `with_plurals`' text as it was."""
+    return _OF_MANY.sub(lambda match: f"1 {_ONE[match[1]]}", text)
 
 
 def limit_phrase(limits: Sequence[Measure]) -> str:
@@ -326,9 +344,7 @@ def limit_phrase(limits: Sequence[Measure]) -> str:
 
 def way_phrase(move: Movement | Shown) -> str:
     """Return where it goes: "left and a little up", "left and up"."""
-    if move.aslant is None:
-        return move.way.value
-    return f"{move.way.value} and {'' if move.is_diagonal else 'a little '}{move.aslant.value}"
+    return way_words(move.way, move.aslant, is_diagonal=move.is_diagonal)
 
 
 def movement_phrase(move: Movement) -> str:

@@ -30,6 +30,7 @@ from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_
 from geotlm_lm.language.size import SLOTS, TEXT
 from geotlm_lm.query.copied import Copied, copied
 from geotlm_lm.query.lines import END, PROGRAM_WORDS, fitting, read
+from geotlm_lm.query.phrases import with_plurals, with_singulars
 from geotlm_lm.query.program import MOST_COPIED, MOST_SLOTS, UNITS, Program, filled
 from geotlm_lm.query.quantities import Quantity, Stated, find
 
@@ -164,7 +165,7 @@ class Spelling:
 
     def sentence(self, text: str) -> list[int] | None:
         """Return an answer's ids from `SAY` to its end; None where it has too many numbers."""
-        ids, at = [self.id_of[SAY]], 0
+        ids, at, text = [self.id_of[SAY]], 0, with_plurals(text)
         numbers = list(_NUMBER.finditer(text))
         if len(numbers) > len(NUMBERS):
             return None
@@ -186,7 +187,7 @@ class Spelling:
             if word in NUMBERS:
                 place = NUMBERS.index(word)
                 text += numbers[place] if place < len(numbers) else "?"
-        return text
+        return with_singulars(text)
 
     def text(self, text: str) -> list[int]:
         """Return the byte pairs of a text without numbers."""

@@ -10,6 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from geotlm_lm.core.twist import ASLANT
 from geotlm_lm.query import program as p
 from geotlm_lm.query.arithmetic import converted
 from geotlm_lm.query.evaluate import (
@@ -25,7 +26,6 @@ from geotlm_lm.query.evaluate import (
     middle,
     moments,
 )
-from geotlm_lm.query.measures import ASLANT
 from geotlm_lm.query.program import AXIS, COMPONENT, WAYS, Expression
 from geotlm_lm.query.worlds import COUNT, Bools, Happening, Worlds, gaps, instant
 from geotlm_lm.track.events import TOGETHER_S, EventKind

@@ -224,6 +224,8 @@ def _in_short(teller: Teller, value: Value) -> str:
     if isinstance(value, Amount):
         return f"{'about ' * (value.amount.deviation > 0)}{amount_phrase(value.amount)}"
     if isinstance(value, Moved):
+        if value.denied:
+            return f"does not {_denied(value)}"
         if not value.movements:
             return "touches nothing" if value.rest is Motion.NONE else "does not move"
         return all_of([movement_phrase(move) for move in value.movements])
@@ -237,13 +239,16 @@ def _one_after_another(value: Value) -> list[Shown]:
     return moving if any(each.begin_s >= is_over for each in moving) else []
 
 
+def _denied(motion: Moved) -> str:
+    """Return what of the asked does not move, and from how much on that would be seen."""
+    limits = dict(motion.limits)
+    return " or ".join(DENIED[each] + limit_phrase(limits.get(each, ())) for each in motion.denied)
+
+
 def _clause(teller: Teller, motion: Moved) -> str:
     """Return what moves, what of the asked does not, and the frame where a way is named."""
     who = teller.who(motion)
-    limits = dict(motion.limits)
-    denied = " or ".join(
-        DENIED[each] + limit_phrase(limits.get(each, ())) for each in motion.denied
-    )
+    limits, denied = dict(motion.limits), _denied(motion)
     if motion.still_axis is not None:
         denied = f"slide {TRAIT_WORDS[motion.still_axis]}"
     if motion.rest is not None:
@@ -279,6 +284,10 @@ def _amount(teller: Teller, value: Amount) -> str:
     is_back = motion is not None and any(move.path is not None for move in motion.movements)
     if is_back and head.word == "amount" and value.at_s is not None:
         return f"{text}; {_net(motion.movements[0])}"
+    # What came back got farthest another way than it went in all.
+    is_farther = value.at_s is not None and (
+        head.word == "amount" or (head.word == "peak" and not _ends_there(value))
+    )
     is_of_a_way = head.word in ("amount", "net", "speed") or (
         head.word in ("peak", "top-speed") and not is_back
     )
@@ -288,7 +297,7 @@ def _amount(teller: Teller, value: Amount) -> str:
         gone = f"{there} {way.value} and {back} {opposite(way).value}"
         net_text = f": net {text}" if head.word == "net" else ""
         return f"{gone}{teller.where(motion, [way])}{net_text}"
-    if is_of_a_way and motion is not None and motion.movements:
+    if is_of_a_way and not is_farther and motion is not None and motion.movements:
         ways = motion.ways
         named = joined([way_phrase(move) for move in motion.movements])
         text += f": {named}{teller.where(motion, ways)}"
@@ -296,6 +305,15 @@ def _amount(teller: Teller, value: Amount) -> str:
         if head.word in ("amount", "net") and path is not None:
             text = f"net {text}; {amount_phrase(path)} there and back"
     return f"{text}, there and back together" if head.word == "path" else text
+
+
+def _ends_there(value: Amount) -> bool:
+    """Tell whether something ends about where it got farthest."""
+    moves = () if value.motion is None else value.motion.movements
+    net = next((move.amount for move in moves if move.amount is not None), None)
+    if net is None or net.unit != value.amount.unit:
+        return False
+    return abs(net.value) >= abs(value.amount.value) / 2
 
 
 def _net(move: Movement) -> str:

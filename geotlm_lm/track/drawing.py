@@ -20,6 +20,7 @@ from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import Unwritten
 from geotlm_lm.core.files import plain_name, replacing_by_name
 from geotlm_lm.core.geometry import filled_size
+from geotlm_lm.core.twist import Component, way_words
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
 from geotlm_lm.recordings.video import quiet_capture
 from geotlm_lm.track.events import Event
@@ -62,6 +63,7 @@ class Band:
 
     event: Event
     name: str
+    way: str = ""
     unit: str = ""
     amount: float = 0.0
     low: float = 0.0
@@ -152,7 +154,10 @@ def band_of(event: Event, units: Units) -> Band:
     span, unit = amount
     low, high = sorted((abs(span.low), abs(span.high)))
     low = 0.0 if span.low < 0 < span.high else low
-    return Band(event, event_name(event), unit, abs(span.mean), low, high)
+    way = event.twist.way(event.component)
+    lesser = (None, False) if event.component is not Component.SLIDE else event.twist.lesser_way()
+    words = way_words(way, lesser[0], is_diagonal=lesser[1])
+    return Band(event, event_name(event), words, unit, abs(span.mean), low, high)
 
 
 def _curves(units: Units, way: Floats, spread: Floats, contact: Floats) -> tuple[Curve, ...]:

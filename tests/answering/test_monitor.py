@@ -66,6 +66,18 @@ def test_what_has_turned_far_enough_holds_from_then_on_and_is_new_once():
     assert "degrees" in seen[first].text
 
 
+def test_a_look_back_sees_where_it_held_no_later_than_while_it_was_watched():
+    watching = monitor("> path cw #1", (4.0, "deg"))
+    assert watching.look_back() is None
+    live = next(each for each in verdicts(watching) if each.is_new)
+    held = watching.look_back()
+    assert held.holds
+    assert 0 < held.number <= live.number
+    assert held.time_s == held.number / CLIP.fps
+    fresh = Monitor(watching.tracker, condition("> path cw #1", (400.0, "deg")), fps=CLIP.fps)
+    assert fresh.look_back() is None
+
+
 def test_nothing_can_be_told_of_what_was_not_seen_yet():
     seen = verdicts(monitor(*TURNED, since="begin"))
     assert set(probabilities(seen)) == {None}
@@ -204,6 +216,7 @@ def test_the_contrary_is_waited_for_where_something_is_to_stay_so(answerer):
     [
         ("how far", "expected something that holds or does not"),
         ("it slips by more than 0.5 mm", "can never be told: I need the size of a pixel"),
+        ("the force exceeds 5 N", "can never be told: I "),
         ("hello there", "expected something that holds|not surely understood"),
         ("", "The question is empty"),
     ],

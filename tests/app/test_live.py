@@ -212,9 +212,14 @@ def test_the_moment_from_which_on_a_condition_holds_is_marked(tmp_path):
     (moment,) = told[-1]["marks"]
     assert 1.2 < moment < 1.9  # it turns by 30 degrees from 1 to 1.8 s
     assert told[-1]["condition"].startswith(f"From {moment:.2f} s on: it turns clockwise")
-    assert waiting(watched, " ")["condition"] == ""
+    assert waiting(watched, " ")["marks"] == []
+    # Stated when all is over, it is marked where it held: by all that was seen, no later than live.
+    after = waiting(watched, text)
+    assert 1.0 < after["marks"][0] <= moment
+    assert after["condition"].startswith("From 1.")
     with pytest.raises(GeoTLMError, match="expected something that holds or does not"):
         waiting(watched, "Which way does it go?")
+    assert watched.condition is None  # nor is the one before waited for any more
 
 
 def test_what_happens_now_is_told_of_the_last_second(tmp_path, clock):

@@ -18,6 +18,7 @@ from geotlm_lm.query.evaluate import Untold, evaluate
 from geotlm_lm.query.program import Case, of
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Times, Truth, Unknown
 from geotlm_lm.query.worlds import Happening
+from geotlm_lm.track.events import EventKind
 from tests.query.programs import (
     certain,
     context_of,
@@ -203,6 +204,24 @@ def test_numbers_of_a_recording(line, value, unit):
     assert isinstance(found, Amount)
     assert found.amount.unit == unit
     assert found.amount.mean == pytest.approx(value, rel=0.04, abs=0.05)
+
+
+def test_how_far_a_sudden_release_goes_is_not_known():
+    (clip,) = context_of(BACK_AND_FORTH).clips
+    assert any(each.kind is EventKind.RELEASE for each in clip.worlds.happenings)
+    coarse = replace(clip, worlds=replace(clip.worlds, unseen=clip.worlds.unseen + 0.1, views={}))
+    pressed = evaluate(lines.read("within recording amount press").answers[0], context_of(coarse))
+    assert (pressed.values > 0).all()
+
+
+@pytest.mark.parametrize(
+    "line", ["amount turn", "peak turn", "top-speed turn", "at peak-time turn amount turn"]
+)
+def test_what_is_too_small_to_be_seen_is_no_part_of_what_is_seen(line):
+    (seen,) = context_of(BACK_AND_FORTH).clips
+    coarse = replace(seen, worlds=replace(seen.worlds, unseen=50 * seen.worlds.unseen, views={}))
+    fine, other = (answer(lines.read(line).answers[0], context_of(each)) for each in (seen, coarse))
+    assert other.amount == fine.amount
 
 
 @pytest.mark.parametrize(("line", "holds"), [

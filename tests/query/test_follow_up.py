@@ -93,6 +93,13 @@ def spelled(now: str, before: str) -> str:
     ("turn ; as json", "slide", "slide"),
     ("behind way turn", "extent", "behind amount turn"),
     ("mirror way slide", "mirror speed move", "mirror speed slide"),
+    ("each slide-events amount slide", "unit mm again", "each slide-events unit mm amount slide"),
+    ("each turn-events record begin here , amount turn end", "round 0 again",
+     "each turn-events record begin here , round 0 amount turn end"),
+    ("choose @1 > amount turn 15.0:deg | @2 other ; as bare", "with 30.0:deg again",
+     "choose @1 > amount turn 30.0:deg | @2 other ; as bare"),
+    ("record @1 slide , @2 > amount turn 5.0:deg end", "with 5.0:deg again",
+     "record @1 slide , @2 > amount turn 5.0:deg end"),
 ])  # fmt: skip
 def test_a_follow_up_is_spelled_out(before, now, meant):
     assert spelled(now, before) == meant

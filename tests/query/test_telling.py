@@ -11,6 +11,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query import lines
 from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answers
+from geotlm_lm.query.phrases import with_plurals, with_singulars
 from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.written import guessed, worded
 from tests.query.programs import (
@@ -308,3 +309,13 @@ UNTIMED = replace(RECORDING, rate_hz=None)
 ])  # fmt: skip
 def test_what_a_recording_lacks_is_told_as_such(line, clips, text):
     assert told(line, *clips) == text
+
+
+@pytest.mark.parametrize(
+    "text", ["About 1 degree per second.", "No: 0.1 degrees.", "1 inch, 11 frames"]
+)
+def test_a_number_may_be_copied_before_a_unit_of_many(text):
+    many = with_plurals(text)
+    assert with_singulars(many) == text
+    assert with_plurals(many) == many
+    assert "1 degree " not in many
