@@ -28,6 +28,7 @@ from geotlm_lm.query.phrases import (
     movement_phrase,
     replies,
     undoing_phrase,
+    unit_phrase,
     way_phrase,
     where_phrase,
 )
@@ -165,6 +166,9 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
     if value.amounts:
         compared = value.amounts[0]
         first = compared.amount
+        if first.deviation > abs(first.mean) and not value.holds:  # it may well be nothing
+            high = replace(first, mean=max(map(abs, first.span)), deviation=0.0)
+            return f"at most {high.limit:g}{unit_phrase(high)}"
         way = WAY_ATOMS.get(first.atom)
         if way is not None and first.value < 0:  # the other way
             first = replace(first, mean=-first.mean)

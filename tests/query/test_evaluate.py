@@ -16,10 +16,13 @@ from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answer
 from geotlm_lm.query.evaluate import Untold, evaluate
 from geotlm_lm.query.program import Case, of
+from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Times, Truth, Unknown
-from geotlm_lm.query.worlds import Happening
+from geotlm_lm.query.worlds import COUNT, Happening
+from geotlm_lm.query.written import worded
 from geotlm_lm.track.events import EventKind
 from tests.query.programs import (
+    RECORDING,
     certain,
     context_of,
     evidence,
@@ -212,6 +215,14 @@ def test_how_far_a_sudden_release_goes_is_not_known():
     coarse = replace(clip, worlds=replace(clip.worlds, unseen=clip.worlds.unseen + 0.1, views={}))
     pressed = evaluate(lines.read("within recording amount press").answers[0], context_of(coarse))
     assert (pressed.values > 0).all()
+
+
+def test_what_may_well_be_nothing_is_told_by_its_most():
+    noise = 0.1 * np.random.default_rng(0).standard_normal((COUNT, 4))
+    coarse = replace(BACK_AND_FORTH, worlds=replace(BACK_AND_FORTH.worlds, unseen=noise, views={}))
+    value = told("within recording > amount in 0.2:mm", coarse)
+    text = worded([value], "sentence", Teller(RECORDING, FRAME), value.probability).text
+    assert text == "No, at most 0.17 mm."
 
 
 @pytest.mark.parametrize(
