@@ -35,6 +35,7 @@ from tests.query.programs import (
     told,
 )
 from tests.query.strategies import turning
+from tests.track.tracks import happened, moving_track
 
 FRAME = FrameSpec()
 THREAD = FrameSpec(thread="right", contact_side="head")
@@ -207,6 +208,24 @@ def test_numbers_of_a_recording(line, value, unit):
     assert isinstance(found, Amount)
     assert found.amount.unit == unit
     assert found.amount.mean == pytest.approx(value, rel=0.04, abs=0.05)
+
+
+def test_what_is_being_pressed_against_the_gel_is_not_at_rest():
+    events = (
+        happened("touch", 25, 25),
+        happened("press", 25, 50, inward=0.5),
+        happened("stick", 50, 75),
+        happened("release", 75, 100, inward=-0.5),
+    )
+    steps = np.zeros((101, 4))
+    steps[26:51, 3], steps[76:, 3] = 0.02, -0.02
+    contact = np.isin(np.arange(101), range(25, 100)).astype(float)
+    clip = of_track(moving_track(steps, events, contact=contact))
+    rests = evaluate(lines.read("time-while still").answers[0], context_of(clip))
+    assert np.median(rests.values) == pytest.approx(1.0, abs=0.1)
+    assert not told("move", clip).holds  # of the whole contact that is the touch itself
+    assert not told("at t 1.5:s still", clip).holds
+    assert told("at t 2.5:s still", clip).holds
 
 
 def test_how_far_a_sudden_release_goes_is_not_known():
