@@ -324,9 +324,11 @@ def _label(expression: Expression, context: Context) -> Value:
         chosen = () if chances[chosen[0]] < min(none.mean(), 0.5) else chosen
         right = np.all([held[place] for place in chosen], axis=0) if chosen else none
     motion = _motion_of(tuple(context.trace.components), inside)
-    return Choice(of=expression, chosen=chosen, chances=chances, probability=float(np.mean(right)),
-                  motion=motion, each=_of_two(inner, inside), edit=inside.view,
-                  shown=shown_in(inside))  # fmt: skip
+    is_of_order = not chosen and {case.holds.word for case in cases} <= {"before", "after"}
+    times = tuple(_times_of(cases[0].holds, inside)) if is_of_order else ()
+    return Choice(of=expression, chosen=chosen, chances=chances,
+                  probability=float(np.mean(right)), motion=motion, each=_of_two(inner, inside),
+                  times_s=times, edit=inside.view, shown=shown_in(inside))  # fmt: skip
 
 
 def _cases(inner: Expression) -> tuple[Case, ...]:

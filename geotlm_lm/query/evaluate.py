@@ -127,7 +127,8 @@ class Context:
     end: Floats | None = None
     now: Floats | None = None  # of a moment
     length: str | None = None  # "px" or "mm" that travel is measured in, "deg" of a turn
-    # Whether what begins or ends contact counts as pressing in or lifting off: where that is asked.
+    # Whether what begins or ends contact counts as pressing in or lifting off: where that is asked,
+    # and at every moment.
     has_edges: bool = False
     trace: Trace = field(default_factory=Trace)
 

@@ -142,20 +142,17 @@ def _touched(context: Context) -> Floats:
 
 def _parts(context: Context, component: Component) -> Iterator[tuple[Happening, Bools, Floats]]:
     """Yield what moves of a component: in which worlds, and the share of it that lies inside."""
-
-    def is_left_out(happening: Happening) -> bool:
-        return component is Component.PRESS and happening.is_edge and not context.has_edges
-
     if context.now is None:
+        counts_edges = component is not Component.PRESS or context.has_edges
         for happening, share in inside(context, component):
             least = np.minimum(MOVING_PX, 0.999 * happening.path_px)
-            if not is_left_out(happening):
+            if counts_edges or not happening.is_edge:
                 yield happening, happening.is_real & (share * happening.path_px >= least), share
         return
     now = np.asarray(context.now)
     for happening in context.worlds.motions(component):
         is_over = happening.begin_s > np.max(now) or happening.end_s < np.min(now)
-        if not is_over and not is_left_out(happening):
+        if not is_over:  # while it is pressed against the gel, or lifted, it is not at rest
             goes_on = (happening.begin_s <= now) & (now <= happening.end_s)
             yield happening, happening.is_real & goes_on, np.ones(())
 

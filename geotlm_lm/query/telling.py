@@ -28,10 +28,18 @@ from geotlm_lm.query.phrases import (
     movement_phrase,
     replies,
     undoing_phrase,
+    unit_phrase,
     way_phrase,
     where_phrase,
 )
-from geotlm_lm.query.program import TRAITS, WAY_ATOMS, Expression, head_of, measure_of
+from geotlm_lm.query.program import (
+    TRAITS,
+    WAY_ATOMS,
+    Expression,
+    head_of,
+    measure_of,
+    type_of,
+)
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -165,6 +173,9 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
     if value.amounts:
         compared = value.amounts[0]
         first = compared.amount
+        if first.deviation > abs(first.mean) and not value.holds:  # it may well be nothing
+            high = replace(first, mean=max(map(abs, first.span)), deviation=0.0)
+            return f"at most {high.limit:g}{unit_phrase(high)}"
         way = WAY_ATOMS.get(first.atom)
         if way is not None and first.value < 0:  # the other way
             first = replace(first, mean=-first.mean)
@@ -278,6 +289,8 @@ def _amount(teller: Teller, value: Amount) -> str:
     if head.word == "count":
         return count_phrase(amount, head.arguments[0])
     head = measure_of(head)
+    if head.word == "clock" and amount.unit == "frame":
+        return f"frame {amount.figure}"
     if value.at_s is not None:
         at_most = " at most" * (head.word == "amount")
         text += f"{at_most}, at {teller.moment(value.at_s)}"
@@ -326,9 +339,18 @@ def _times(teller: Teller, value: Times) -> str:
     times = value.times_s
     if not times:
         return "that does not happen in this recording"
+    if type_of(head) == "event" and len(times) == 2:
+        own = [each for each in value.shown if each.kind in MOVING and _is_from_to(each, times)]
+        if len(own) == 1:
+            return _story(teller, value, own)
     if len(times) == 2 and head.word not in ("begins", "ends"):
         return teller.span((times[0], times[1]))
     return f"at {joined([teller.moment(each) for each in times])}"
+
+
+def _is_from_to(shown: Shown, times: tuple[float, ...]) -> bool:
+    ends = zip(times, (shown.begin_s, shown.end_s), strict=True)
+    return all(abs(one - other) <= TOGETHER_S for one, other in ends)
 
 
 def _moved(teller: Teller, value: Moved) -> str:
@@ -438,6 +460,8 @@ def _choice(teller: Teller, value: Choice) -> str:
     names = list(map(label_of, cases))
     if head.word == "choose-not":
         return f"not {joined(names)}" if names else "none of them can be ruled out"
+    if not names and len(value.times_s) == 2:
+        return f"neither: {joined(sorted({f'at {teller.moment(each)}' for each in value.times_s}))}"
     if not names:
         return (
             f"none of these: {_clause(teller, value.motion)}" if value.motion else "none of these"

@@ -323,6 +323,7 @@ class Choice(Value):
     chances: tuple[float, ...]  # of each
     motion: Moved | None = None
     each: tuple[Value, ...] = ()  # of two clips that are compared
+    times_s: tuple[float, ...] = ()  # of what comes neither before nor after the other
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -120,7 +120,7 @@ class LanguageTraining:
     english_steps: int = 2_000
     reading_steps: int = 7_000
     slots_steps: int = 2_000
-    sentences_steps: int = 3_500
+    sentences_steps: int = 2_500
     batch: int = 128
     warmup: int = 300
     dropout: float = 0.1

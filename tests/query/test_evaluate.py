@@ -16,10 +16,13 @@ from geotlm_lm.query import program as p
 from geotlm_lm.query.answers import answer
 from geotlm_lm.query.evaluate import Untold, evaluate
 from geotlm_lm.query.program import Case, of
+from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.values import Amount, Choice, Moved, Record, Times, Truth, Unknown
-from geotlm_lm.query.worlds import Happening
+from geotlm_lm.query.worlds import COUNT, Happening
+from geotlm_lm.query.written import worded
 from geotlm_lm.track.events import EventKind
 from tests.query.programs import (
+    RECORDING,
     certain,
     context_of,
     evidence,
@@ -32,6 +35,7 @@ from tests.query.programs import (
     told,
 )
 from tests.query.strategies import turning
+from tests.track.tracks import happened, moving_track
 
 FRAME = FrameSpec()
 THREAD = FrameSpec(thread="right", contact_side="head")
@@ -206,12 +210,38 @@ def test_numbers_of_a_recording(line, value, unit):
     assert found.amount.mean == pytest.approx(value, rel=0.04, abs=0.05)
 
 
+def test_what_is_being_pressed_against_the_gel_is_not_at_rest():
+    events = (
+        happened("touch", 25, 25),
+        happened("press", 25, 50, inward=0.5),
+        happened("stick", 50, 75),
+        happened("release", 75, 100, inward=-0.5),
+    )
+    steps = np.zeros((101, 4))
+    steps[26:51, 3], steps[76:, 3] = 0.02, -0.02
+    contact = np.isin(np.arange(101), range(25, 100)).astype(float)
+    clip = of_track(moving_track(steps, events, contact=contact))
+    rests = evaluate(lines.read("time-while still").answers[0], context_of(clip))
+    assert np.median(rests.values) == pytest.approx(1.0, abs=0.1)
+    assert not told("move", clip).holds  # of the whole contact that is the touch itself
+    assert not told("at t 1.5:s still", clip).holds
+    assert told("at t 2.5:s still", clip).holds
+
+
 def test_how_far_a_sudden_release_goes_is_not_known():
     (clip,) = context_of(BACK_AND_FORTH).clips
     assert any(each.kind is EventKind.RELEASE for each in clip.worlds.happenings)
     coarse = replace(clip, worlds=replace(clip.worlds, unseen=clip.worlds.unseen + 0.1, views={}))
     pressed = evaluate(lines.read("within recording amount press").answers[0], context_of(coarse))
     assert (pressed.values > 0).all()
+
+
+def test_what_may_well_be_nothing_is_told_by_its_most():
+    noise = 0.1 * np.random.default_rng(0).standard_normal((COUNT, 4))
+    coarse = replace(BACK_AND_FORTH, worlds=replace(BACK_AND_FORTH.worlds, unseen=noise, views={}))
+    value = told("within recording > amount in 0.2:mm", coarse)
+    text = worded([value], "sentence", Teller(RECORDING, FRAME), value.probability).text
+    assert text == "No, at most 0.17 mm."
 
 
 @pytest.mark.parametrize(

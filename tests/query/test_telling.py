@@ -51,7 +51,8 @@ def told(line, *clips, texts=(), frame=FRAME):
     ("way sign ; as sign", "+"),
     ("choose A cw | B ccw ; as letter", "A."),
     ("choose -1 left | 1 right | 0 other ; as bare", "0"),
-    ("largest ccw-events", "From 2.0 to 3.0 s."),
+    ("largest ccw-events",
+     "It turns counterclockwise 15 degrees from 2.0 to 3.0 s, in the camera image."),
     ("record count turn-events , begin first turn-events end ; as tuple", "(3, 1)"),
     ("begins turn-events ; as brackets", "[1.0, 2.0, 3.0]"),
     ("record turn , slide end ; as one-zero", "1, 0"),
@@ -319,3 +320,25 @@ def test_a_number_may_be_copied_before_a_unit_of_many(text):
     assert with_singulars(many) == text
     assert with_plurals(many) == many
     assert "1 degree " not in many
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("unit frame clock end contact", "Frame 100."),
+        ("unit frame length contact", "100 frames."),
+        (
+            "largest turn-events",
+            "It turns clockwise 40 degrees from 1.0 to 2.0 s, in the camera image.",
+        ),
+        (
+            "choose before begin first turn-events begin first turn-events"
+            " | after begin first turn-events begin first turn-events",
+            "Neither: at 1.0 s.",
+        ),
+    ],
+)
+def test_what_and_when_is_told_of_a_recording(line, text):
+    (value,) = answers(lines.read(line), (there_and_back(),), FRAME)
+    told = worded([value], "sentence", Teller(RECORDING, FRAME), value.probability).text
+    assert told == text
