@@ -3,6 +3,7 @@
 
 const DIFFERENCE_GAIN = 4; // grey levels drawn per grey level of change, as in saved pictures
 const LOOK_AHEAD_S = 0.25; // arrows of a recording reach to where the contact is then
+const AT_ONCE = 12; // pictures that are begun to be read without a pause
 const ARROWS_ACROSS = 9; // arrows over the longer side of a contact
 
 function loadImage(address) {
@@ -20,14 +21,17 @@ async function imagesOf(address) {
   if (!answer.ok) return null;
   const content = await answer.arrayBuffer(), view = new DataView(content);
   const count = view.getUint32(0, true);
+  const images = [];
   let place = 4 * (count + 1);
-  return Array.from({ length: count }, (_, k) => {
+  for (let k = 0; k < count; k++) {
     const length = view.getUint32(4 * (k + 1), true), image = new Image();
-    image.src = URL.createObjectURL(new Blob([content.slice(place, place + length)], { type: "image/jpeg" }));
+    image.src = URL.createObjectURL(new Blob([new Uint8Array(content, place, length)], { type: "image/jpeg" }));
     image.onload = () => URL.revokeObjectURL(image.src);
     place += length;
-    return image;
-  });
+    images.push(image);
+    if (k % AT_ONCE === AT_ONCE - 1) await new Promise((go) => setTimeout(go)); // the page stays awake
+  }
+  return images;
 }
 
 function canvasOf(image) {
