@@ -55,6 +55,7 @@ const layers = [...part("layers").children];
 let data = null, images = [], idle = null, depths = [];
 let frame = 0, isPlaying = false, isFollowing = false, began = 0, beganAt = 0;
 let shows = 0, stale = null;
+let loading = null; // whether the pictures are there, once that is known
 const received = new Received();
 
 async function show(given) {
@@ -93,23 +94,31 @@ async function showRecording(value, turn) {
   timeline.show(data);
   if (!isSame) {
     if (before || element.querySelector(".stage-actions [data-event=collapse]")) reveal();
-    const all = await imagesOf(value.pack);
-    if (turn !== shows && (!data || data.pack !== value.pack)) return; // another was opened meanwhile
-    // What is like the one before takes its place at once, at the same frame.
-    if (isLike && all) await Promise.all(all.map((image) => image.decode().catch(() => null)));
-    images = all ? all.slice(0, value.count) : [];
-    for (const image of images) image.addEventListener("load", () => image === images[frame] && draw());
-    const [idleImage] = all && value.has_idle ? all.slice(value.count) : [];
-    depths = all ? all.slice(value.count + (value.has_idle ? 1 : 0)) : [];
-    if (idleImage) await idleImage.decode().catch(() => null);
-    if (turn !== shows && (!data || data.pack !== value.pack)) return;
-    idle = idleImage && idleImage.naturalWidth ? canvasOf(idleImage).pixels.data : null;
-    go(isLike ? frame : 0);
-    if (!wantsRest) play();
+    loading = loadPictures(value, turn, isLike);
   }
   showLayers();
   draw();
-  element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
+  if ((await loading) && data) element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
+}
+
+// Tells whether the pictures are there, unless another recording was opened meanwhile.
+async function loadPictures(value, turn, isLike) {
+  const isGone = () => turn !== shows && (!data || data.pack !== value.pack);
+  const all = await imagesOf(value.pack);
+  if (isGone()) return false;
+  // What is like the one before takes its place at once, at the same frame.
+  if (isLike && all) await Promise.all(all.map((image) => image.decode().catch(() => null)));
+  images = all ? all.slice(0, value.count) : [];
+  for (const image of images) image.addEventListener("load", () => image === images[frame] && draw());
+  const [idleImage] = all && value.has_idle ? all.slice(value.count) : [];
+  depths = all ? all.slice(value.count + (value.has_idle ? 1 : 0)) : [];
+  if (idleImage) await idleImage.decode().catch(() => null);
+  if (isGone()) return false;
+  idle = idleImage && idleImage.naturalWidth ? canvasOf(idleImage).pixels.data : null;
+  showLayers();
+  go(isLike ? frame : 0);
+  if (!wantsRest) play();
+  return true;
 }
 
 // On a narrow page the picture of what was just opened may be out of sight.
