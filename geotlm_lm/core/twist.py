@@ -43,10 +43,9 @@ AT_REST_MM, MOVING_MM = 0.01, 0.06
 BARELY_PX, BARELY_MM = 1.0, 0.15
 """Path below which a turn or a slide, and a press, that is seen is said to move barely."""
 
-
 ASLANT, DIAGONAL = 1 / 3, math.tan(math.radians(30))
-"""Share of a slide's lesser travel in its greater from which on it is said to go that way too, and
-from which on it goes both ways alike."""
+"""Share of a slide's lesser travel in its greater, and of a turn's way back in its way there, from
+which on it is said to go that way too; and of a slide from which on it goes both ways alike."""
 
 
 @dataclass(frozen=True)

@@ -250,12 +250,11 @@ UNSEEN = {
 }
 _UNITS = {"deg": "degrees", "rad": "radians", "gon": "gradians", "turn": "turns", "inch": "inches",
           "frame": "frames", "percent": "%"}  # fmt: skip
-_ONE = {"inches": "inch"} | {
-    name: name.removesuffix("s") for name in _UNITS.values() if name not in ("inches", "%")
+_SINGULARS = {
+    name: name.removesuffix("es" if name == "inches" else "s") for name in _UNITS.values()
 }
 """Units' names, and what they are called of one."""
-_OF_ONE = re.compile(rf"(?<![\d.])1 ({'|'.join(_ONE.values())})\b")
-_OF_MANY = re.compile(rf"(?<![\d.])1 ({'|'.join(_ONE)})\b")
+_A_UNIT = re.compile(rf"(?<![\d.])1 ({'|'.join(_SINGULARS)}|{'|'.join(_SINGULARS.values())})\b")
 _PER = {"s": "second", "min": "minute", "frame": "frame", "ms": "millisecond", "deg": "degree",
         "rad": "radian"}  # fmt: skip
 _IMAGE = {
@@ -317,7 +316,7 @@ def unit_phrase(amount: Measure) -> str:
     unit, _, per = amount.unit.partition("/")
     name = _UNITS.get(unit, unit)
     if amount.value == 1:
-        name = _ONE.get(name, name)
+        name = _SINGULARS.get(name, name)
     per_phrase = f" per {_PER.get(per, per)}" if per else ""
     gap = "" if name in ("", "%") else " "
     return f"{gap}{name}{per_phrase}"
@@ -325,13 +324,13 @@ def unit_phrase(amount: Measure) -> str:
 
 def with_plurals(text: str) -> str:
     """Return a text in which units are those of many, whatever number is copied before them."""
-    many = {singular: plural for plural, singular in _ONE.items()}
-    return _OF_ONE.sub(lambda match: f"1 {many[match[1]]}", text)
+    plurals = {singular: plural for plural, singular in _SINGULARS.items()}
+    return _A_UNIT.sub(lambda match: f"1 {plurals.get(match[1], match[1])}", text)
 
 
 def with_singulars(text: str) -> str:
     """Return `with_plurals`' text as it was."""
-    return _OF_MANY.sub(lambda match: f"1 {_ONE[match[1]]}", text)
+    return _A_UNIT.sub(lambda match: f"1 {_SINGULARS.get(match[1], match[1])}", text)
 
 
 def limit_phrase(limits: Sequence[Measure]) -> str:

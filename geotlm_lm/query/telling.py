@@ -8,11 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 from geotlm_lm.core.edit import opposite
-from geotlm_lm.core.frame_spec import FrameSpec
-from geotlm_lm.core.labels import DIRECTED, Motion
+from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.phrases import (
     DENIED,
@@ -40,6 +38,7 @@ from geotlm_lm.query.program import (
     measure_of,
     type_of,
 )
+from geotlm_lm.query.stories import MOST_TOLD, Narrator, consecutive, is_from_to, most
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -47,25 +46,15 @@ from geotlm_lm.query.values import (
     Movement,
     Placed,
     Record,
-    Recording,
     Remark,
-    Shown,
     Times,
     Truth,
     Unknown,
     Value,
 )
-from geotlm_lm.track.events import TOGETHER_S, EventKind
-
-MOST_TOLD, MOST_MOVING = 4, 3
-"""Events of a story that are told: of more, the largest motions, and where contact begins and ends
-as far as there is room."""
-
-SMALL = 0.2
-"""Share of the longest path below which a motion is left out of a story."""
+from geotlm_lm.track.events import MOVING
 
 _REST = {Motion.STILL: "it touches but does not move", Motion.NONE: "nothing touches the gel"}
-MOVING = (EventKind.TURN, EventKind.SLIDE)
 OFF_CENTRE = 1 / 6
 """Share of the image's side from its middle beyond which a place is no longer the middle's."""
 
@@ -79,18 +68,8 @@ class Wording:
 
 
 @dataclass(frozen=True)
-class Teller:
-    """Tells values of one recording in one frame.
-
-    Args:
-        recording: The file, for its times and for questions on itself.
-        frame: In which the recording's facts hold.
-        named: The point of view that was named before, in words.
-    """
-
-    recording: Recording
-    frame: FrameSpec = FrameSpec()
-    named: str | None = None
+class Teller(Narrator):
+    """Tells values of one recording in one frame."""
 
     def tell(self, value: Value) -> Wording:
         """Return a value as a sentence."""
@@ -111,36 +90,6 @@ class Teller:
         wording = self.tell(value)
         text = f"If it is{supposed}, {wording.text[:1].lower()}{wording.text[1:]}"
         return replace(wording, text=text)
-
-    # Parts of a sentence
-
-    def where(self, value: Value, ways: Sequence[Motion]) -> str:
-        """Return ", in the camera image" and the like; nothing where it was named before."""
-        where = where_phrase(value.edit, self.frame)
-        is_named = where == self.named or not any(way in DIRECTED for way in ways)
-        return "" if is_named else f", {where}"
-
-    def moment(self, time_s: float) -> str:
-        """Return a time: "1.24 s", or a frame's number of a recording without a rate."""
-        if self.recording.rate_hz is None:
-            return f"frame {self.frames(time_s)}"
-        whole, part = f"{time_s:.{self.recording.decimals}f}".split(".")
-        return f"{whole}.{part.rstrip('0') or '0'} s"
-
-    def frames(self, time_s: float) -> int:
-        """Return a time in frames."""
-        return round(time_s / (self.recording.step_s or 1.0))
-
-    def span(self, times: tuple[float, float]) -> str:
-        """Return from when to when: "from 1.2 s to 3.4 s"."""
-        begin, end = map(self.moment, times)
-        if begin == end:
-            return f"at {begin}"
-        return f"from {begin.removesuffix(' s')} to {end.removeprefix('frame ')}"
-
-    def who(self, value: Value) -> str:
-        """Return whose motion is told."""
-        return "the sensor" if value.edit.sensor else "it"
 
 
 # What each value is told as
@@ -196,13 +145,13 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
     if not moves or motion.denied and value.holds:
         return _clause(teller, motion)
     first = moves[0]
-    parts = _one_after_another(value)
+    parts = consecutive(value)
     if head.word in ("tighten", "loosen") and not parts:
         return _clause(teller, motion)
     if parts:
         way = WAY_ATOMS.get(head.word)
         own = [each for each in parts if each.way is way] if value.holds and way else parts
-        return _story(teller, value, _most(own or parts, 2))
+        return teller.story(value, most(own or parts, 2))
     is_asked = first.component in asked and head.word in TRAITS
     if value.holds and is_asked and first.times is not None and len(moves) == 1:
         way = f"{way_phrase(first)}, " if head.word in ("turn", "slide", "move") else ""
@@ -241,13 +190,6 @@ def _in_short(teller: Teller, value: Value) -> str:
             return "touches nothing" if value.rest is Motion.NONE else "does not move"
         return all_of([movement_phrase(move) for move in value.movements])
     return teller.tell(value).text.rstrip(".").lower()
-
-
-def _one_after_another(value: Value) -> list[Shown]:
-    """Return the motions that an answer rests on where some follow others."""
-    moving = _most([each for each in value.shown if each.kind in MOVING], MOST_TOLD)
-    is_over = min((each.end_s for each in moving), default=0.0) - TOGETHER_S
-    return moving if any(each.begin_s >= is_over for each in moving) else []
 
 
 def _denied(motion: Moved) -> str:
@@ -340,24 +282,19 @@ def _times(teller: Teller, value: Times) -> str:
     if not times:
         return "that does not happen in this recording"
     if type_of(head) == "event" and len(times) == 2:
-        own = [each for each in value.shown if each.kind in MOVING and _is_from_to(each, times)]
+        own = [each for each in value.shown if each.kind in MOVING and is_from_to(each, times)]
         if len(own) == 1:
-            return _story(teller, value, own)
+            return teller.story(value, own)
     if len(times) == 2 and head.word not in ("begins", "ends"):
         return teller.span((times[0], times[1]))
     return f"at {joined([teller.moment(each) for each in times])}"
 
 
-def _is_from_to(shown: Shown, times: tuple[float, ...]) -> bool:
-    ends = zip(times, (shown.begin_s, shown.end_s), strict=True)
-    return all(abs(one - other) <= TOGETHER_S for one, other in ends)
-
-
 def _moved(teller: Teller, value: Moved) -> str:
     head = head_of(value.of)
     if head.word == "story":
-        kept = _most(value.shown, MOST_TOLD)
-        return _story(teller, value, kept, value.shown) or _clause(teller, value)
+        kept = most(value.shown, MOST_TOLD)
+        return teller.story(value, kept, value.shown) or _clause(teller, value)
     if head.word == "kind":
         return _kind(teller, value)
     if head.word == "sure":
@@ -368,17 +305,17 @@ def _moved(teller: Teller, value: Moved) -> str:
         return f"about {'; '.join(spans)}" if spans else _clause(teller, value)
     if value.tightens is not None:
         return f"it {'tightens' if value.tightens else 'loosens'}: {_clause(teller, value)}"
-    parts = _one_after_another(value) if head.word in ("way", "extent") else []
+    parts = consecutive(value) if head.word in ("way", "extent") else []
     if value.of.word == "at":  # what goes on then, from when to when
         parts = [each for each in value.shown if each.kind in MOVING]
         if not parts and value.denied:
             return f"{_clause(teller, value)} at that moment"
     if head.arguments == ("thread",) and value.movements and not value.denied:
-        how = _story(teller, value, parts) if parts else _clause(teller, value)
+        how = teller.story(value, parts) if parts else _clause(teller, value)
         return f"it tightens and loosens, one after the other: {how}"
     if value.edit.undo or not parts:
         return _clause(teller, value)
-    return _story(teller, value, parts, value.shown)
+    return teller.story(value, parts, value.shown)
 
 
 def _kind(teller: Teller, value: Moved) -> str:
@@ -388,64 +325,6 @@ def _kind(teller: Teller, value: Moved) -> str:
     ways = value.ways
     named = joined([way_phrase(move) for move in value.movements])
     return f"a {' and a '.join(kinds)}: {named}{teller.where(value, ways)}"
-
-
-def _most(shown: Sequence[Shown], count: int) -> list[Shown]:
-    """Return the events that matter most, by when they begin."""
-    ends = (EventKind.TOUCH, EventKind.RELEASE)
-    moving = [each for each in shown if each.kind in MOVING]
-    longest = max((each.path_px for each in moving), default=0.0)
-    large = [each for each in moving if each.path_px >= SMALL * longest]
-    large = sorted(large, key=lambda each: -each.path_px)[: min(count, MOST_MOVING)]
-    begun = [each for each in shown if each.kind in ends]
-    # The first touch, then the last release, then those between.
-    begun = [*begun[:1], *begun[:0:-1]]
-    kept = [*large, *begun][:count] or shown[:count]
-    return [each for each in shown if each in kept]
-
-
-def _story(teller: Teller, value: Value, shown: Sequence[Shown], of: Sequence[Shown] = ()) -> str:
-    """Return events one after another, the frame where a way is named, and how many more moved."""
-    if not shown:
-        return ""
-    shown = sorted(shown, key=_told_at)
-    text = f"{teller.who(value)} {_event(teller, shown[0])}"
-    for before, each in pairwise(shown):
-        event = _event(teller, each)
-        is_same = before.kind is each.kind and each.kind in MOVING
-        text += f", {event.partition(' ')[2]}" if is_same else f"; {event}"
-    ways = [each.way for each in shown if each.kind in MOVING]
-    return text + teller.where(value, ways) + _left_out(shown, of)
-
-
-def _left_out(shown: Sequence[Shown], of: Sequence[Shown]) -> str:
-    """Return how many turns and slides a story leaves out: "; and 19 more turns"."""
-    counts = [
-        (kind, sum(each.kind is kind for each in of) - sum(each.kind is kind for each in shown))
-        for kind in MOVING
-    ]
-    more = [f"{count} more {kind.value}{'s' * (count > 1)}" for kind, count in counts if count > 0]
-    return f"; and {joined(more)}" if more else ""
-
-
-def _told_at(shown: Shown) -> float:
-    """Return when an event is: of the end of contact, its end."""
-    return shown.end_s if shown.kind is EventKind.RELEASE else shown.begin_s
-
-
-def _event(teller: Teller, shown: Shown) -> str:
-    if shown.kind is EventKind.TOUCH:
-        return f"touches at {teller.moment(shown.begin_s)}"
-    when = teller.span((shown.begin_s, shown.end_s))
-    if shown.kind is EventKind.STICK:
-        return f"is held still {when}"
-    if shown.kind is EventKind.RELEASE:
-        is_over = f"is let go at {teller.moment(shown.end_s)}"
-        return is_over if shown.is_edge else f"is pressed less {when}"
-    if shown.kind is EventKind.PRESS:
-        return f"presses in {when}"
-    far = f" {amount_phrase(shown.amount)}" if shown.amount is not None else ""
-    return f"{shown.kind.value}s {way_phrase(shown)}{far} {when}"
 
 
 def _choice(teller: Teller, value: Choice) -> str:

@@ -14,7 +14,7 @@ from typing import Any
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.query.phrases import KIND_WORDS, amount_phrase, joined, label_of, way_phrase
 from geotlm_lm.query.program import Case, head_of, measure_of, type_of
-from geotlm_lm.query.telling import MOVING, Teller, Wording
+from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import (
     Amount,
     Choice,
@@ -26,6 +26,7 @@ from geotlm_lm.query.values import (
     Truth,
     Value,
 )
+from geotlm_lm.track.events import MOVING
 
 POSITIVE = (Motion.CLOCKWISE, Motion.RIGHT, Motion.DOWN, Motion.PRESS)
 _BETWEEN = {"pairs": "=", "yaml": ": "}

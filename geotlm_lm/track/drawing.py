@@ -56,9 +56,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Band:
-    """An event over time, and how far it goes: `amount` between `low` and `high`, unsigned.
+    """An event over time, where and how far it goes: `amount` between `low` and `high`, unsigned.
 
-    The unit is empty where the event goes nowhere, as a touch or a rest.
+    Way and unit are empty where the event goes nowhere, as a touch or a rest.
     """
 
     event: Event
@@ -155,8 +155,9 @@ def band_of(event: Event, units: Units) -> Band:
     low, high = sorted((abs(span.low), abs(span.high)))
     low = 0.0 if span.low < 0 < span.high else low
     way = event.twist.way(event.component)
-    lesser = (None, False) if event.component is not Component.SLIDE else event.twist.lesser_way()
-    words = way_words(way, lesser[0], is_diagonal=lesser[1])
+    is_slide = event.component is Component.SLIDE
+    lesser, is_diagonal = event.twist.lesser_way() if is_slide else (None, False)
+    words = way_words(way, lesser, is_diagonal=is_diagonal)
     return Band(event, event_name(event), words, unit, abs(span.mean), low, high)
 
 
