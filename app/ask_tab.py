@@ -41,7 +41,7 @@ def build(answerer: Answerer, page: Any) -> None:
             parts["stage_second"] = stage.build(CHOOSE_SECOND, stage.CLOSE, "stage-second")
     with gr.Row(elem_classes=["gallery"]):
         parts["files"] = gr.File(
-            label="Recording or images",
+            label="Recording",
             file_types=SUFFIXES,
             file_count="multiple",
             type="filepath",
@@ -81,7 +81,7 @@ def _details(gr: Any) -> dict[str, Any]:
 
 
 CHOOSE_SECOND = (
-    "Choose a second recording among the examples, or drop one there: questions are about both."
+    "Choose a second recording among the examples, or drop one here: questions are about both."
 )
 
 CODE = '<button type="button" hidden>Copy</button><pre tabindex="0" aria-label="Code"></pre>'

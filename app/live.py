@@ -70,9 +70,13 @@ LEAST_KEPT = 3 * LEAST_FRAMES
 """Frames that are kept however large they are: of half of them enough are settled."""
 
 NOW = re.compile(r"\b(now|currently|at the moment)\b", re.IGNORECASE)
-NOW_S = 1.0
+NOW_S = 0.4
 """What a question asks of the present by, and how far back that reaches."""
 
+NO_GEL_YET = (
+    "No untouched gel was seen yet, so that nothing is followed; let go of what touches it for a "
+    "moment."
+)
 WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
 UNASKED: Filled = {"chat": exchanges(None), "last": None, "framed": "", COMPLAINT: ""}
@@ -185,11 +189,13 @@ class LiveStream:
         return f"Did not hold: {words}." if self.is_over else f"Waiting for this: {words}."
 
     def shown(self, *, is_now: bool = False) -> LoadedClip:
-        """Return what was seen so far, ready for questions; the conversation goes on.
+        """Return what was seen up to the last frame, ready for questions; the conversation goes on.
 
-        Of the present it is the last second, up to the last frame.
+        Of the present it is the last tenths of a second.
         """
-        track = self._tracker.now() if is_now and not self.is_over else self._tracker.so_far
+        if self.count and self._tracker.idle is None:
+            raise GeoTLMError(NO_GEL_YET)
+        track = self._tracker.so_far if self.is_over else self._tracker.now()
         kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
         if len(kept) < LEAST_FRAMES:
             raise GeoTLMError(WATCH_FIRST)
@@ -258,7 +264,7 @@ class LiveSession:
 def wait_for(
     answerer: Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
 ) -> Iterator[Filled]:
-    """Mark the moment from which on a condition in words holds; no words wait for nothing.
+    """Mark the moment when a condition in words first holds; no words wait for nothing.
 
     Nor does one that is refused: the one before was not meant any more.
     """

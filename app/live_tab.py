@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 INVITES = (
-    "Start the camera, or drop a recording beside it and press Watch. Leave the gel untouched "
-    "for the first half second: that is when its idle image is learnt."
+    "Start the camera below, or drop a recording here. Leave the gel untouched for the first half "
+    "second: that is when its idle image is learnt."
 )
 
 UNWATCHED = "Start a camera or a recording: questions are answered from what was seen by then."
@@ -73,14 +73,14 @@ def _sources(gr: Any) -> dict[str, Any]:
                 elem_classes=["drop"],
             )
             with gr.Row(elem_classes=["watching"]):
-                parts["go"] = gr.Button("Watch", variant="primary", min_width=80)
+                parts["go"] = gr.Button("Watch again", min_width=110, elem_classes=["again"])
                 parts["clear"] = gr.Button(
                     "Stop and clear", min_width=120, elem_classes=["only-shown"]
                 )
         with gr.Column(min_width=220):
             with gr.Row(elem_classes=["ask-line"]):
                 parts["condition"] = gr.Textbox(
-                    label="Mark the moment from which on",
+                    label="Mark the moment when",
                     placeholder="it has turned 30 degrees clockwise",
                     max_length=QUESTION_CHARACTERS,
                     scale=6,
@@ -102,9 +102,10 @@ STOP_CAMERA = """(...given) => {
 def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
     gr = gradio()
     watch = filling(parts, partial(watch_recording, answerer))
-    parts["go"].click(watch, *_ends(parts, ("path", "live"), EMPTIED), **QUIET, **CAMERA)
+    for trigger in (parts["path"].upload, parts["go"].click):
+        trigger(watch, *_ends(parts, ("path", "live"), EMPTIED), **QUIET, **CAMERA)
     now = {**QUIET, "queue": False}
-    parts["path"].change(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **now)
+    parts["path"].clear(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **now)
 
     beside = parts | {COMPLAINT: parts["refused"]}  # what is wrong with it stands by the condition
     waits = filling(beside, partial(wait_for, answerer))

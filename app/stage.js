@@ -53,7 +53,7 @@ const timeline = new Timeline(part("time"));
 const wantsRest = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 const layers = [...part("layers").children];
 let data = null, images = [], idle = null, depths = [];
-let frame = 0, isPlaying = false, isFollowing = false, began = 0, beganAt = 0;
+let frame = 0, isPlaying = false, isFollowing = false, isResting = false, began = 0, beganAt = 0;
 let shows = 0, stale = null;
 let loading = null; // whether the pictures are there, once that is known
 const received = new Received();
@@ -97,6 +97,7 @@ async function showRecording(value, turn) {
     loading = loadPictures(value, turn, isLike);
   }
   showLayers();
+  if (isResting) rest();
   draw();
   if ((await loading) && data) element.querySelector(".stage").dataset.shown = data.pending ? "frames" : "all";
 }
@@ -117,7 +118,8 @@ async function loadPictures(value, turn, isLike) {
   idle = idleImage && idleImage.naturalWidth ? canvasOf(idleImage).pixels.data : null;
   showLayers();
   go(isLike ? frame : 0);
-  if (!wantsRest) play();
+  if (wantsRest) rest();
+  else play();
   return true;
 }
 
@@ -149,7 +151,7 @@ async function showStream(value) {
   element.querySelector(".stage").dataset.shown = "all";
   clearTimeout(stale);
   if (data.live) stale = setTimeout(() => endLive(value.stream), STALE_MS);
-  else isFollowing = false;
+  else if (isFollowing) rest();
 }
 
 function endLive(stream) {
@@ -260,13 +262,24 @@ function showResult() {
   part("result").textContent = text;
 }
 
+const moves = () =>
+  data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
+
+// Once it has been played it rests in the middle of what goes farthest: a degree of a turn is about
+// a pixel at the edge of a contact.
+function rest() {
+  pause();
+  isResting = true;
+  const farthest = data.timeline && moves().sort((a, b) => b.size - a.size)[0];
+  go(farthest ? nearest(data.x, (farthest.begin + farthest.end) / 2) : data.count - 1);
+}
+
 function resultText() {
   if (data.step) return data.step.text;
   if (data.pending) return data.progress || "reading the motion…";
   if (!data.timeline) return "";
   const now = data.x[frame];
-  const moves = data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
-  const begun = moves.filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
+  const begun = moves().filter((event) => event.begin <= now).sort((a, b) => a.begin - b.begin);
   const going = begun.filter((event) => event.end >= now);
   const unit = data.unit === "s" ? " s" : "", digits = data.unit === "s" ? 2 : 0;
   const times = (event) => `${data.unit === "s" ? "" : "frames "}${+event.begin.toFixed(digits)} to ${+event.end.toFixed(digits)}${unit}`;
@@ -293,8 +306,9 @@ function play() {
     shownAsPlaying();
     return;
   }
-  if (frame >= data.count - 1) go(Number(scrub.min));
+  if (isResting || frame >= data.count - 1) go(Number(scrub.min));
   isPlaying = true;
+  isResting = false;
   began = performance.now();
   beganAt = frame;
   shownAsPlaying();
@@ -302,7 +316,7 @@ function play() {
 }
 
 function pause() {
-  isPlaying = isFollowing = false;
+  isPlaying = isFollowing = isResting = false;
   shownAsPlaying();
 }
 
@@ -318,8 +332,7 @@ function advance(now) {
   const count = data.count;
   let place = placeAfter((now - began) / 1000);
   if (place >= count && !data.loops) {
-    go(count - 1);
-    pause();
+    rest();
     return;
   }
   place = Math.floor(place) % count;
@@ -404,6 +417,16 @@ for (const action of element.querySelectorAll("[data-event]"))
     trigger(action.dataset.event);
     if (action.dataset.event === "expand") element.closest(".tabitem").querySelector(".gallery").scrollIntoView({ block: "nearest" });
   };
+// What is dropped on the picture goes where its tab takes recordings.
+const screen = element.querySelector(".stage-screen");
+screen.addEventListener("dragover", (event) => event.preventDefault());
+screen.addEventListener("drop", (event) => {
+  event.preventDefault();
+  const input = element.closest(".tabitem").querySelector(".drop input[type=file]"), given = event.dataTransfer.files;
+  if (!input || !given.length) return;
+  input.files = given;
+  input.dispatchEvent(new Event("change", { bubbles: true }));
+});
 for (const button of layers) {
   button.onclick = () => {
     button.setAttribute("aria-pressed", !isShown(button.dataset.layer));

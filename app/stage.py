@@ -65,7 +65,7 @@ OF_MOTION = "Which way is it moving?"
 FINE, LEAST_SHARE = 8, 0.004
 """Outlines are drawn on a mask that is so many times finer, around what fills so much of it."""
 
-OPEN_ONE = "Open one of the examples, or drop your own recording there: it plays here."
+OPEN_ONE = "Open one of the examples, or drop your own recording here."
 
 
 COMPARE = '<button type="button" data-event="expand">Compare</button>'
@@ -359,6 +359,7 @@ def _event(band: Any, axis_unit: str) -> dict[str, Any]:
         "text": text.get(event.kind.value, f"{event.kind.value} {far}").strip(),
         "begin": round(float(begin), 4),
         "end": round(float(end), 4),
+        "size": round(abs(float(event.amount.mean)), 3),
         "span": f"{_figure(band.low)} to {_figure(band.high, unit)}" if unit else "",
         "sure": round(100 * event.probability),
     }

@@ -38,7 +38,7 @@ NAMED = """() => {
     name();
     const camera = navigator.mediaDevices, words = {
         NotAllowedError: 'The browser lets this page use no camera; allow it beside the address.',
-        NotFoundError: 'No camera is connected; connect one, or drop a recording and press Watch.',
+        NotFoundError: 'No camera is connected; connect one, or drop a recording.',
         NotReadableError: 'The camera is used by another program; close that, and start again.',
     };
     if (!camera) return;

@@ -12,7 +12,14 @@ from itertools import zip_longest
 from typing import Any
 
 from geotlm_lm.core.labels import Motion
-from geotlm_lm.query.phrases import KIND_WORDS, amount_phrase, joined, label_of, way_phrase
+from geotlm_lm.query.phrases import (
+    KIND_WORDS,
+    amount_phrase,
+    joined,
+    label_of,
+    phrase,
+    way_phrase,
+)
 from geotlm_lm.query.program import Case, head_of, measure_of, type_of
 from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import (
@@ -65,7 +72,13 @@ def worded(
         short = shortened(value, form, teller)
         own = replace(teller, named=named)
         wording = own.tell(value) if short is None else Wording(short, named)
-        texts.append(guessed(wording.text, value.probability) if is_guess else wording.text)
+        text = wording.text
+        if len(values) > 1 and isinstance(value, Times) and short is None and value.times_s:
+            asked = phrase(value.of)  # of several times each by its name
+            text = f"{asked[:1].upper()}{asked[1:]}: {text[:1].lower()}{text[1:]}"
+        text = guessed(text, value.probability) if is_guess else text
+        if short is not None or text not in texts:  # "neither turns": which way, and how far
+            texts.append(text)
         named = wording.named
     return Wording(" ".join(texts), named)
 

@@ -30,6 +30,7 @@ from geotlm_lm.track.events import (
     SIGNIFICANT,
     STEPS,
     SYSTEMATIC,
+    UNSURE_SHARE,
     Event,
     EventKind,
     Span,
@@ -46,6 +47,10 @@ SPEED_S = 0.2
 """Time over which a speed is measured: less is noise."""
 
 TOUCHED = 0.5
+
+FORMING = 0.05
+"""Change of an imprint's strength from frame to frame, in its logarithm, from which on it forms or
+fades: at rest real ones change by 0.02."""
 
 WINDOW_DEG, WINDOW_PX = 30.0, 30.0
 """Most that turns or slides within four frames that are looked at together."""
@@ -113,17 +118,40 @@ class Track:
     def limits(self) -> Mapping[Component, float]:
         """What is the least path of each component that would be an event: pixels, of a press mm.
 
-        Over all of the track, none where nothing touches; what goes faster is seen from less on.
+        Over all of the track in which it is held, none where nothing touches; what goes faster is
+        seen from less on, and while the imprint forms or fades more may go unseen. Where no slide
+        is seen, a turn may hide one, of the share of its path that is doubted.
         """
         if self.stated_limits is not None:
             return self.stated_limits
         if not self.is_touched.any():
             return {}
-        own, radius = self.covariances.sum(axis=0), max(self.middle_radius_px, 1.0)
+        own, radius = self.covariances[self._is_held].sum(axis=0), max(self.middle_radius_px, 1.0)
         limits = {
             component: SIGNIFICANT * noise_of(component, own, radius) for component in COMPONENTS
         }
-        return limits | {Component.TURN: math.radians(limits[Component.TURN]) * radius}
+        turned_px = math.radians(np.abs(self.twists[:, 0]).sum()) * radius
+        turned_px *= not self.of(Component.SLIDE)
+        return limits | {
+            Component.TURN: math.radians(limits[Component.TURN]) * radius,
+            Component.SLIDE: math.hypot(limits[Component.SLIDE], UNSURE_SHARE * turned_px),
+        }
+
+    @property
+    def _is_held(self) -> NDArray[np.bool_]:
+        """Where no imprint forms after a touch or fades before a release; all where it does so."""
+        touched = np.concatenate([[False], self.is_touched, [False]])
+        edges = np.flatnonzero(np.diff(touched))
+        logs = np.log(self.strength_grey.clip(min=0.1))
+        changes = np.abs(np.diff(logs, prepend=logs[:1])) > FORMING
+        held = np.ones(len(self), bool)
+        for begin, end in edges.reshape(-1, 2):
+            steady = np.flatnonzero(~changes[begin + 1 : end])
+            if begin > 0:  # it touches within the track
+                held[begin : begin + 1 + steady[0] if len(steady) else end] = False
+            if end < len(self):
+                held[begin + 2 + steady[-1] if len(steady) else begin : end + 1] = False
+        return held if (held & self.is_touched).any() else np.ones(len(self), bool)
 
     @property
     def is_touched(self) -> NDArray[np.bool_]:
