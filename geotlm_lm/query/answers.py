@@ -94,7 +94,8 @@ def answer(expression: Expression, context: Context) -> Value:
     try:
         if p.head_of(expression).word == "again":  # nothing was asked before
             raise Untold("before")
-        if p.head_of(expression).word == "if":
+        # A truth is one in every world, whichever of two it is there.
+        if p.head_of(expression).word == "if" and p.type_of(expression) != "bool":
             return _either(*_placed(expression, context))
         return _TELLS[p.type_of(expression)](expression, context)
     except Untold as lacks:

@@ -333,8 +333,39 @@ def worlds_of_track(track: Track, belief: Belief, seed: int = 0) -> Worlds:
     ends = float(track.times_s[0]), float(track.times_s[-1])
     unseen = _unseen(belief, strata)
     contacts = track.contacts() if track.is_contact_known else (ends,)
+    for begin, end in contacts if track.is_contact_known else ():
+        if ends[0] < begin and end < ends[1]:
+            after = int(np.searchsorted(track.times_s, end, side="right"))
+            happenings = _closed(happenings, begin, float(track.times_s[after]))
     happenings.sort(key=_order)
     return Worlds(tuple(happenings), touches, contacts, *ends, unseen, belief, track)
+
+
+def _closed(happenings: list[Happening], begin_s: float, end_s: float) -> list[Happening]:
+    """Return happenings of which a whole contact's lift off as far as they press in.
+
+    In each world what is lacking is shared out by how far each is doubted; what set in suddenly, of
+    which no way is known, takes all of it.
+    """
+    inside = [
+        place
+        for place, each in enumerate(happenings)
+        if each.component is Component.PRESS and begin_s <= each.begin_s and each.end_s <= end_s
+    ]
+    ways = {place: happenings[place].twist[:, 3] for place in inside}
+    means = [float(way.mean()) for way in ways.values()]
+    if min(means, default=0.0) > 0 or max(means, default=0.0) <= 0:  # the other is not seen
+        return happenings
+    doubts = np.array([way.var() if way.any() else np.inf for way in ways.values()])
+    weights = np.isinf(doubts) if np.isinf(doubts).any() else doubts
+    weights = weights / max(weights.sum(), 1e-12)
+    lacking, closed = sum(ways.values()), list(happenings)
+    for (place, way), weight in zip(ways.items(), weights, strict=True):
+        twist = np.zeros((COUNT, 4))
+        low, high = (0.0, np.inf) if happenings[place].kind is EventKind.PRESS else (-np.inf, 0.0)
+        twist[:, 3] = (way - weight * lacking).clip(low, high) * happenings[place].is_real
+        closed[place] = replace(happenings[place], twist=twist)
+    return closed
 
 
 def with_own_motion(worlds: Worlds, times_s: Floats, steps: Floats) -> Worlds:

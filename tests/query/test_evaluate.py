@@ -35,7 +35,7 @@ from tests.query.programs import (
     told,
 )
 from tests.query.strategies import turning
-from tests.track.tracks import happened, moving_track
+from tests.track.tracks import happened, moving_track, track_of_events
 
 FRAME = FrameSpec()
 THREAD = FrameSpec(thread="right", contact_side="head")
@@ -234,6 +234,24 @@ def test_how_far_a_sudden_release_goes_is_not_known():
     coarse = replace(clip, worlds=replace(clip.worlds, unseen=clip.worlds.unseen + 0.1, views={}))
     pressed = evaluate(lines.read("within recording amount press").answers[0], context_of(coarse))
     assert (pressed.values > 0).all()
+
+
+def test_a_whole_contact_lifts_off_as_far_as_it_was_pressed():
+    events = [
+        happened("touch", 10, 10),
+        happened("press", 10, 16, inward=0.3),
+        happened("release", 90, 100, inward=-1.0),
+    ]
+    clip = of_track(track_of_events(events))
+    pressed, lifted = (each.twist[:, 3] for each in clip.worlds.motions(Component.PRESS))
+    both = (pressed != 0) & (lifted != 0)
+    assert both.mean() > 0.9
+    assert np.allclose((pressed + lifted)[both], 0)
+    value = told("within recording peak in", clip)
+    assert 0.3 < value.amount.mean < 1.0
+    cut_off = of_track(track_of_events(events[:2]))  # nothing lifts off
+    (alone,) = (each.twist[:, 3] for each in cut_off.worlds.motions(Component.PRESS))
+    assert np.median(alone) == pytest.approx(0.3, abs=0.05)
 
 
 def test_what_may_well_be_nothing_is_told_by_its_most():
