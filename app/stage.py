@@ -152,6 +152,7 @@ def _scale_of(*stages: dict[str, Any]) -> dict[str, list[float]]:
         for lane in values.get("timeline", {"lanes": []})["lanes"]:
             for curve in lane["curves"]:
                 mean, spread = (np.asarray(curve.get(key, 0.0)) for key in ("mean", "spread"))
+                mean = -mean if curve["name"] == "down" else mean  # what goes up is drawn upwards
                 drawn = ends.setdefault(
                     lane["name"], [-(lane["limit"] or 0.0), lane["limit"] or 0.0]
                 )

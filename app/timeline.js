@@ -27,6 +27,9 @@ function along(name, value, unit) {
   return Number(size) ? `${+size}${gap}${unit} ${WAYS[name][value < 0 ? 1 : 0]}` : "";
 }
 
+// What goes up in the picture is drawn upwards.
+const upward = (curve) => (curve.name === "down" ? -1 : 1);
+
 class Timeline {
   constructor(box) {
     this.box = box;
@@ -147,8 +150,8 @@ class Timeline {
     for (const curve of lane.curves) {
       curve.mean.forEach((mean, k) => {
         const spread = curve.spread ? curve.spread[k] : 0;
-        low = Math.min(low, mean - spread);
-        high = Math.max(high, mean + spread);
+        low = Math.min(low, upward(curve) * mean - spread);
+        high = Math.max(high, upward(curve) * mean + spread);
       });
     }
     if (this.scale(lane.name)) [low, high] = [Math.min(low, this.scale(lane.name)[0]), Math.max(high, this.scale(lane.name)[1])];
@@ -167,14 +170,14 @@ class Timeline {
     for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
       if (before - y(value) < 11) continue;
       before = y(value);
-      this.text(LEFT - 5, before + 3.5, `${Math.abs(+value.toFixed(2))}${lane.unit === "°" ? "°" : ""}`, "tick", "end");
+      this.text(LEFT - 5, before + 3.5, `${+value.toFixed(2)}${lane.unit === "°" ? "°" : ""}`.replace("-", "−"), "tick", "end");
     }
     if (lane.unit !== "°") this.text(2, top + height - 4, lane.unit, "tick");
   }
 
   drawCurve(curve, name, y) {
     const x = this.data.timeline.x.map((value) => this.placeOf(value));
-    const points = (sign) => x.map((at, k) => `${at.toFixed(1)},${y(curve.mean[k] + sign * (curve.spread ? curve.spread[k] : 0)).toFixed(1)}`);
+    const points = (sign) => x.map((at, k) => `${at.toFixed(1)},${y(upward(curve) * curve.mean[k] + sign * (curve.spread ? curve.spread[k] : 0)).toFixed(1)}`);
     const inside = { "clip-path": `url(#${this.id})` };
     if (curve.spread) {
       this.root.append(svg("polygon", { ...inside, class: `spread ${name}`, points: [...points(1), ...points(-1).reverse()].join(" ") }));

@@ -298,7 +298,7 @@ class FrameClock:
                 f"there."
             )
         if self._gaps:
-            often = "" if self._gaps == 1 else f", and for less {self._gaps - 1} times more"
+            often = "" if self._gaps == 1 else f"; {self._gaps - 1} shorter gaps"
             notes.append(
                 f"No frame came for {self._longest_s:.2f} s before frame {self._after_gap}{often}: "
                 f"what happened meanwhile is not known."
