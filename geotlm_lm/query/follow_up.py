@@ -165,7 +165,7 @@ def _spelled(
     record, is_whole = head_of(last), wanted == "answer"
     if is_whole and word == record.word == "record":
         return _around(last, of("record", _with_more(expression.arguments[0], record)))
-    is_of_many = is_whole and record.word in ("record", "each")
+    is_of_many = is_whole and record.word in ("record", "each", "each-clip")
     if is_of_many and word in ("unit", "round", "per") and expression.arguments[1].word == "again":
         return _refined(last, expression)
     if word in ("instead", "with"):
@@ -175,7 +175,7 @@ def _spelled(
         return _fitted(head_of(last), wanted, unit)
     if word in _PLACED and any(each.word == "again" for each in expression.arguments[-1]):
         last = _unplaced(last, is_clip=word.startswith("of-"))
-    if word in _ENDS and last.word in _ENDS:
+    if word == last.word == "each-clip" or (word in _ENDS and last.word in _ENDS):
         (last,) = last.arguments
     unit = _unit_of(expression) if word in _NUMBERED else unit
     takes = ACCEPTED[wanted if word in ACCEPTED[wanted] else type_of(expression)].get(word, ())
@@ -215,6 +215,8 @@ def _refined(answer: Expression, expression: Expression) -> Expression:
     if head.word == "each":
         events, inner = head.arguments
         return _around(answer, of("each", events, _refined(inner, expression)))
+    if head.word == "each-clip":
+        return _around(answer, of("each-clip", _refined(head.arguments[0], expression)))
     if type_of(answer) != "number":
         return answer
     is_fit = expression.word == "round" or head.word in ("speed", "top-speed")
@@ -234,6 +236,8 @@ def _fitted(last: Expression, wanted: str, unit: str) -> Expression:
     """Return what was asked last as what is wanted in its place."""
     if wanted == "answer":
         return last
+    if last.word == "each-clip":  # of both, of which one may be more
+        return _fitted(last.arguments[0], wanted, unit)
     if last.word == "if":
         condition, *branches = last.arguments
         return of("if", condition, *(_fitted(each, wanted, unit) for each in branches))
@@ -278,7 +282,7 @@ def _as_number(last: Expression, kind: str) -> Expression:
 
 def _unplaced(last: Expression, *, is_clip: bool) -> Expression:
     """Return what was asked without the span, or the clip, that another takes the place of."""
-    if last.word in (CLIPS if is_clip else ("within", "at")):
+    if last.word in ((*CLIPS, "each-clip") if is_clip else ("within", "at")):
         return _unplaced(last.arguments[-1], is_clip=is_clip)
     if last.word in (*EDIT_WORDS, *_PLACED):
         *outer, inner = last.arguments
