@@ -364,7 +364,7 @@ _SPOKEN = {
 def spoken_of(expression: Expression) -> Expression:
     """Return the event or the span that an answer speaks of: its own, or what it measures."""
     for each in expression:
-        if each.value is None and each.word != "if" and type_of(each) in ("event", "span"):
+        if each.value is None and head_of(each).word != "if" and type_of(each) in ("event", "span"):
             return each
     for each in expression:
         if each.word in _SPOKEN:
@@ -388,7 +388,7 @@ def _subject(expression: Expression) -> str | None:
 def _events_of(expression: Expression) -> Expression:
     """Return all that happens of the kind that an answer speaks of."""
     for each in expression:
-        if each.word != "if" and type_of(each) == "events":
+        if head_of(each).word != "if" and type_of(each) == "events":
             return each
         if (kind := each.word if each.word in _SPOKEN else _named(each)) is not None:
             kind = "turn" if kind in ("tighten", "loosen") else kind
@@ -399,7 +399,7 @@ def _events_of(expression: Expression) -> Expression:
 def _moment_of(expression: Expression) -> Expression:
     """Return the moment that an answer speaks of: its own, or when that begins."""
     for each in expression:
-        if each.value is None and each.word != "if" and type_of(each) == "time":
+        if each.value is None and head_of(each).word != "if" and type_of(each) == "time":
             return each
         if each.word in ("peak", "top-speed"):
             return of(f"{each.word}-time", *each.arguments)
