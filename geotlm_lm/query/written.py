@@ -77,10 +77,16 @@ def worded(
             asked = phrase(value.of)  # of several times each by its name
             text = f"{asked[:1].upper()}{asked[1:]}: {text[:1].lower()}{text[1:]}"
         text = guessed(text, value.probability) if is_guess else text
-        if short is not None or text not in texts:  # "neither turns": which way, and how far
+        if not (_denies_all(value) and text in texts):  # which way and how far it does not turn
             texts.append(text)
         named = wording.named
     return Wording(" ".join(texts), named)
+
+
+def _denies_all(value: Value) -> bool:
+    """Tell whether a way or an amount is that nothing of what was asked moves."""
+    is_told = isinstance(value, (Moved, Amount)) and value.moved is not None
+    return is_told and bool(value.moved.denied) and not value.moved.movements
 
 
 LEAST_GUESS = 0.05

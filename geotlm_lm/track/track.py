@@ -130,22 +130,20 @@ class Track:
         limits = {
             component: SIGNIFICANT * noise_of(component, own, radius) for component in COMPONENTS
         }
-        turned_px = math.radians(np.abs(self.twists[:, 0]).sum()) * radius
-        turned_px *= not self.of(Component.SLIDE)
-        return limits | {
-            Component.TURN: math.radians(limits[Component.TURN]) * radius,
-            Component.SLIDE: math.hypot(limits[Component.SLIDE], UNSURE_SHARE * turned_px),
-        }
+        limits[Component.TURN] = math.radians(limits[Component.TURN]) * radius
+        if not self.of(Component.SLIDE):
+            turned_px = math.radians(np.abs(self.twists[:, 0]).sum()) * radius
+            hidden_px = UNSURE_SHARE * turned_px
+            limits[Component.SLIDE] = math.hypot(limits[Component.SLIDE], hidden_px)
+        return limits
 
     @property
     def _is_held(self) -> NDArray[np.bool_]:
         """Where no imprint forms after a touch or fades before a release; all where it does so."""
-        touched = np.concatenate([[False], self.is_touched, [False]])
-        edges = np.flatnonzero(np.diff(touched))
         logs = np.log(self.strength_grey.clip(min=0.1))
         changes = np.abs(np.diff(logs, prepend=logs[:1])) > FORMING
         held = np.ones(len(self), bool)
-        for begin, end in edges.reshape(-1, 2):
+        for begin, end in self._touches:
             steady = np.flatnonzero(~changes[begin + 1 : end])
             if begin > 0:  # it touches within the track
                 held[begin : begin + 1 + steady[0] if len(steady) else end] = False
@@ -264,9 +262,14 @@ class Track:
         """
         if not self.is_contact_known:
             return ()
-        edges = np.flatnonzero(np.diff(np.concatenate([[0], self.is_touched, [0]])))
-        pairs = zip(edges[::2], edges[1::2] - 1, strict=True)
-        return tuple((float(self.times_s[a]), float(self.times_s[b])) for a, b in pairs)
+        times = self.times_s
+        return tuple((float(times[first]), float(times[end - 1])) for first, end in self._touches)
+
+    @property
+    def _touches(self) -> NDArray[np.int64]:
+        """First row of each touch, and the one behind its last, (k, 2)."""
+        edges = np.diff(np.concatenate([[0], self.is_touched, [0]]))
+        return np.flatnonzero(edges).reshape(-1, 2)
 
     def to_rows(self) -> Iterator[dict[str, Any]]:
         """Yield plain values for each frame: time, contact, motion since the start, deviations."""

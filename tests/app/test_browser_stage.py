@@ -1,14 +1,17 @@
 """The stage in a real browser: by mouse, keys and fingers; it fits, and axe finds no fault."""
 
+import base64
 import json
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from tests.app.browser import CHAT, COMPLAINT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+from tests.track.recordings import there_and_back  # noqa: E402
 
 pytestmark = pytest.mark.slow
 
@@ -167,6 +170,26 @@ def test_a_recordings_name_is_shown_and_never_run(browser, recordings, tmp_path)
     browser.wait_for(f"{SHOWN} && {NAME}.innerText.includes('.npy')")
     assert browser.run("document.title") != "run"
     assert browser.run(f"{NAME}.children.length") == 0
+
+
+DROP = """((name, content) => {
+    const given = new DataTransfer();
+    given.items.add(new File([Uint8Array.from(atob(content), (c) => c.charCodeAt(0))], name));
+    const how = {bubbles: true, cancelable: true, dataTransfer: given};
+    STAGE.querySelector('.stage-screen').dispatchEvent(new DragEvent('drop', how));
+})""".replace("STAGE", STAGE)
+
+
+def test_what_is_dropped_on_the_picture_plays_and_rests_on_what_goes_farthest(browser, tmp_path):
+    clip = there_and_back()
+    np.savez_compressed(tmp_path / "turn.npz", frames=clip.frames, fps=10 * clip.fps)
+    content = base64.b64encode((tmp_path / "turn.npz").read_bytes()).decode()
+    browser.run(f"{DROP}('turn.npz', '{content}')")
+    browser.wait_for(f"{SHOWN} && {NAME}.innerText == 'turn.npz'")
+    browser.wait_for(f"{STAGE}.querySelector('[data-part=play]').innerText == '▶'")
+    assert 0 < browser.run(FRAME) < len(clip) - 1
+    result = browser.run(f"{STAGE}.querySelector('[data-part=result]').innerText")
+    assert result.startswith(("clockwise ", "counterclockwise "))
 
 
 def test_a_mistake_stands_beside_the_field_and_the_conversation_stays(browser):

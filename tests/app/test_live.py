@@ -242,3 +242,19 @@ def test_what_happens_now_is_told_of_the_last_moments(tmp_path, clock):
     assert len(later) == len(track)
     assert later.times_s[-1] == pytest.approx(79 * 0.04)
     assert watched.stream.shown().encoded.track.times_s[0] == 0
+
+
+def test_a_question_is_about_what_goes_on_as_well(clock):
+    watched = LiveSession()
+    followed(there_and_back().frames[:38], watched)  # it turns yet
+    seen = watched.stream.shown().encoded.track
+    assert seen.times_s[-1] == pytest.approx(37 * 0.04)
+    assert seen.net_twist.turn_deg > 5
+    assert not events_of(watched.stream.stage())[1:]  # drawn is what is over
+
+
+def test_nothing_is_answered_before_an_untouched_gel_was_seen(frames, clock):
+    watched = LiveSession()
+    followed(frames[:3], watched)
+    with pytest.raises(GeoTLMError, match="No untouched gel was seen yet"):
+        watched.stream.shown()

@@ -342,3 +342,21 @@ def test_what_and_when_is_told_of_a_recording(line, text):
     (value,) = answers(lines.read(line), (there_and_back(),), FRAME)
     told = worded([value], "sentence", Teller(RECORDING, FRAME), value.probability).text
     assert told == text
+
+
+@pytest.mark.parametrize(
+    ("line", "text"),
+    [
+        ("way turn ; amount turn", "It does not turn by more than 0.65 degrees."),  # once
+        ("touch ; at t 1.0:s touch", "Yes. Yes."),  # but two answers
+        (
+            "begin contact ; end contact",
+            "The beginning of the contact: at 0.0 s. The end of the contact: at 4.0 s.",
+        ),
+    ],
+)
+def test_several_answers_are_told_apart(line, text):
+    still = of_track(moving_track(np.zeros((101, 4)), [happened("touch", 0, 0)]))
+    told = answers(lines.read(line), (still,), FRAME)
+    sentence = worded(told, "sentence", Teller(RECORDING, FRAME)).text
+    assert sentence == text

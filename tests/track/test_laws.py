@@ -14,7 +14,7 @@ from geotlm_lm.track.events import COLUMNS, EventFinder, EventKind, Moment
 from geotlm_lm.track.track import Track, decided
 from geotlm_lm.track.tracker import Tracker
 from tests.track.recordings import recording, there_and_back
-from tests.track.tracks import FPS, moving_track
+from tests.track.tracks import FPS, happened, moving_track, track_of_events
 
 FAR = {0: 40.0, 1: 12.0, 2: 12.0, 3: 0.8}
 """Most that a stretch goes: degrees, pixels, pixels, mm."""
@@ -172,3 +172,28 @@ def test_the_laws_hold_of_real_recordings(real):
         for k, frame in enumerate(clip.frames):
             tracker.feed(frame, clip.second_of(k, FPS))
         check(tracker.finish())
+
+
+def test_limits_are_of_the_time_in_which_it_is_held():
+    lifted = happened("release", 90, 94, inward=-0.5)
+    track = track_of_events([happened("touch", 10, 10), lifted])
+    strengths, doubts = track.strength_grey.copy(), track.covariances.copy()
+    strengths[:14] = 0.3, *[0.3] * 9, 1.0, 2.0, 3.0, 4.0
+    strengths[90:] = 3.0, 2.0, 1.0, 0.6, *[0.3] * (len(track) - 94)
+    doubts[[11, 12, 13, 91, 92, 93]] = 400 * np.eye(4)
+    forming = replace(track, strength_grey=strengths, covariances=doubts)
+    for component, limit in track.limits.items():
+        assert forming.limits[component] == pytest.approx(limit, rel=0.1)
+    briefly = np.where(np.arange(len(track)) < 14, forming.contact, 0.0)
+    brief = replace(forming, contact=briefly, events=forming.events[:1])
+    assert brief.limits[Component.SLIDE] > 20  # no frame is steady: all doubts count
+
+
+def test_a_turn_hides_a_slide_where_none_is_seen():
+    turned = happened("turn", 20, 40, turn=60.0), happened("touch", 10, 10)
+    slid = happened("slide", 50, 60, right=9.0)
+    alone, beside = (track_of_events(sorted(events, key=lambda one: one.begin))
+                     for events in (turned, (*turned, slid)))  # fmt: skip
+    path_px = np.radians(60.0) * alone.middle_radius_px
+    assert alone.limits[Component.SLIDE] == pytest.approx(0.16 * path_px, rel=0.05)
+    assert beside.limits[Component.SLIDE] < 2
