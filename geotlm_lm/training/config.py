@@ -77,6 +77,7 @@ DEFAULT = TrainingPreset(
     name="default",
     english_steps=2_000,
     reading_steps=7_000,
+    question_passes=2,
     answer_clips=4_096,
     slots_steps=2_000,
     sentences_steps=2_500,
@@ -99,7 +100,6 @@ FULL = replace(
     name="full",
     english_steps=4_000,
     reading_steps=9_000,
-    question_passes=2,
     language_batch=512,
 )
 """`default` with a larger language model, which takes a GPU twenty minutes."""

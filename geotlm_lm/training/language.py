@@ -74,13 +74,14 @@ WEIGHT_DECAY = 0.1
 """Of the matrices; gains, biases and embeddings are left alone."""
 
 LEARNING_RATE = 3e-3
-"""Peak of each stage; rises over the steps of `warmup` and falls to nothing as a cosine."""
+"""Peak of each stage; rises over the steps of `warmup` and falls to nothing as a cosine. What reads
+already and learns on has half of it."""
 
 HIDDEN = 0.06
 """Mean share of a question's tokens that are hidden; each question's own is between none and twice
 this."""
 
-CORPUS_SHARE, COMPOSED_SHARE, FORMS_SHARE = 0.2, 0.1, 0.1
+CORPUS_SHARE, COMPOSED_SHARE, FORMS_SHARE = 0.5, 0.1, 0.1
 """Shares of questions drawn from the corpus instead of the grammar, half of them with the grammar's
 clauses around, of programs composed at random, and of questions for an output of a given form."""
 
@@ -276,10 +277,12 @@ class _Stage:
     def rate_at(self, step: int) -> float:
         """Return the learning rate of a step."""
         warmup = min(self.config.warmup, self.steps // 4)
+        goes_on = self.name == "reading" and self.taught.start is not None
+        peak = LEARNING_RATE / 2 if goes_on else LEARNING_RATE
         if step < warmup:
-            return LEARNING_RATE * (step + 1) / warmup
+            return peak * (step + 1) / warmup
         share = (step - warmup) / max(self.steps - warmup, 1)
-        return LEARNING_RATE * 0.5 * (1 + math.cos(math.pi * share))
+        return peak * 0.5 * (1 + math.cos(math.pi * share))
 
     def _batches(self, step: int) -> Iterator[list[Batch]]:
         """Yield each step's batches; nothing is drawn before the first is asked for."""

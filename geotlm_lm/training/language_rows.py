@@ -27,6 +27,7 @@ from geotlm_lm.query.reader import MOST_SAID, MOST_WORDS, SAY, SLOT_TOKENS, Spel
 from geotlm_lm.training.composed import composed
 from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import Pair, grammar
+from geotlm_lm.training.swaps import swaps
 from geotlm_lm.training.thesaurus import thesaurus
 from geotlm_lm.training.truth import UNASKED
 
@@ -48,6 +49,9 @@ usual 0.15 better for small models)."""
 
 PAD, QUESTION, PROGRAM, SENTENCE, CLIP, SLOT = range(6)
 """Kinds of positions; what each may see is `sight`'s."""
+
+SWAPPED = 0.7
+"""Share of the labelled questions in which words may be exchanged together with their meaning."""
 
 UNTOLD = 0.2
 """How often an answer that cannot tell is drawn against 1 for the others."""
@@ -237,6 +241,9 @@ class Questions(IterableDataset):
         of_forms = round(wanted * self.forms_share)
         drawn = list(islice(grammar().pairs(seed, "train"), wanted - shown - made - of_forms))
         labelled = rng.choices(list(self.corpus), k=shown) if shown else []
+        labelled = [
+            swaps().exchanged(rng, pair) if rng.random() < SWAPPED else pair for pair in labelled
+        ]
         labelled[::2] = [grammar().surrounded(rng, pair) for pair in labelled[::2]]
         pairs = drawn + labelled
         pairs[::2] = [thesaurus().varied(rng, pair) for pair in pairs[::2]]

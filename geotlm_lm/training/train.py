@@ -69,7 +69,7 @@ from geotlm_lm.training.scoring import (
 )
 from geotlm_lm.training.sentences import read_sentences, write_sentences
 
-STARTS = ("language", "slots", "sentences")
+STARTS = ("language", "reading", "slots", "sentences")
 """Stages before which a bundle may be taken as it is."""
 
 PER_CLIP = 16
@@ -201,7 +201,8 @@ def learn_language(
 ) -> Path:
     """Train a language model from `stage` on, to answer from what is seen; return its folder.
 
-    What comes before `stage` is that of the bundle in `start`. Only the first rank has `seen`.
+    What comes before `stage` is that of the bundle in `start`; what reads already learns half as
+    long. Only the first rank has `seen`.
     """
     width = ranks.from_first(lambda: seen.model.backbone.width)
 
@@ -229,8 +230,10 @@ def learn_language(
         texts = ranks.from_first(lambda: english.fetch(out / "english", progress))
         taught = replace(taught, passages=english.passages(texts))
     else:
-        kept = ("english_steps", "reading_steps", "slots_steps")[: 1 + STARTS.index(stage)]
+        kept = ("english_steps", "reading_steps", "slots_steps")[: STARTS.index(stage)]
         config = replace(config, **dict.fromkeys(kept, 0))
+        if stage == "reading":
+            config = replace(config, reading_steps=config.reading_steps // 2)
         taught = replace(taught, start=start / LANGUAGE_DIR)
     # On a CPU processes that draw would only wait for each other.
     drawing = 0 if ranks.kind == "cpu" else workers
