@@ -50,6 +50,7 @@ from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import corpus, grammar
 from geotlm_lm.training.labelled import (
     BLIND,
+    KEPT,
     SET_UPS,
     TUNE,
     WRITERS,
@@ -91,6 +92,7 @@ def _reading_rows(run: Run) -> Iterator[Row]:
         "blind": labelled(BLIND)[:some],
         "set-ups": labelled(SET_UPS)[:some],
         "tune": labelled(TUNE)[:some],
+        "askers, meanings held out": labelled(KEPT)[:some],
     }
     for writer in WRITERS:
         asked = of_pairs(written_by(writer, run.seed))

@@ -175,6 +175,12 @@ def _times(context: Context, left: Expression, right: Expression) -> Numbers:
         for speed, time in ((one, two), (two, one)):
             if "/" in speed.unit and time.unit in p.UNITS["time"]:
                 return _way_gone(context, speed, time)
+        for turns, each in ((one, two), (two, one)):
+            if turns.unit == "turn":  # counted: a pitch goes its length, a gear its angle in each
+                size = float(np.median(each.values))
+                return each.also(
+                    turns.values * each.values, tolerance=turns.tolerance * size, atom=None
+                )
         is_turn = one.unit.partition("/")[0] in p.UNITS["angle"]
         return _arc(context, *((one, two) if is_turn else (two, one)))
     # A bare constant is exact: the product is as inexact as what it is a multiple of.

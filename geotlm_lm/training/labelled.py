@@ -12,9 +12,10 @@ from geotlm_lm.query.lines import read
 from geotlm_lm.query.program import Expression, Program, normal
 from geotlm_lm.training.grammar import Pair, grammar
 
-BLIND, SET_UPS, TUNE = "blind", "set-ups", "tune"
-"""Sets written by people who had seen no template; only the last is used for any choice. The second
-is questions behind facts on a set-up."""
+BLIND, SET_UPS, TUNE, KEPT = "blind", "set-ups", "tune", "kept"
+"""Sets of questions that no reader learns from. The first three are by people who had seen no
+template, the second behind facts on a set-up; the last is of meanings that askers labelled. Only
+the last two are used for any choice."""
 
 WRITERS = ("nonnative", "adversary")
 """Who asks what no reader was trained on: all families of theirs are of the test split."""

@@ -44,9 +44,11 @@ from geotlm_lm.query.reader import (
     slipped_from,
     spelled_by,
 )
+from geotlm_lm.training.calibration import best_share
 from geotlm_lm.training.fit import fit
 from geotlm_lm.training.forms import formed
 from geotlm_lm.training.grammar import Pair, grammar
+from geotlm_lm.training.labelled import KEPT, TUNE, labelled
 from geotlm_lm.training.language_rows import (
     POOL,
     Answers,
@@ -194,6 +196,8 @@ def train_language(
         if stage.steps and taught_by[name]:
             model = model.to(ranks.device).train()
             stage.train(model, folder)
+            if name == "reading" and taught.start is not None:
+                _blend(model, _begun(config, taught, spelling), spelling, folder, ranks)
     spelling.tokenizer.model.dropout = None
     if ranks.is_first:
         Reader(served(model.cpu()), spelling, (1.0, 0.0)).save(folder / "language")
@@ -435,6 +439,32 @@ def _begun(config: LanguageTraining, taught: Taught, spelling: Spelling) -> Lang
     if before.projector.widths == model.projector.widths:
         model.projector.load_state_dict(before.projector.state_dict())
     return model
+
+
+def _blend(
+    model: LanguageModel, before: LanguageModel, spelling: Spelling, folder: Path, ranks: Ranks
+) -> None:
+    """Replace a model's weights by their best mean with those that it began with."""
+    later = {name: x.detach().cpu().clone() for name, x in model.state_dict().items()}
+    former, path = before.state_dict(), folder / "language_share.json"
+    plain = Spelling(Tokenizer.from_str(spelling.tokenizer.to_str()), lexicon=spelling.lexicon)
+    plain.tokenizer.model.dropout = None
+
+    def mean(share: float) -> dict[str, Tensor]:
+        return {name: torch.lerp(former[name], x, share) for name, x in later.items()}
+
+    def reader_of(share: float) -> Reader:
+        before.load_state_dict(mean(share))
+        return Reader(served(before), plain, (1.0, 0.0))
+
+    def chosen() -> float:
+        if not path.exists():
+            share, read = best_share(reader_of, labelled(TUNE) + labelled(KEPT))
+            write_text_atomically(path, json.dumps({"share": share, "read": read}))
+        return json.loads(path.read_text(encoding="utf-8"))["share"]
+
+    former = {name: x.clone() for name, x in former.items()}
+    model.load_state_dict(mean(ranks.from_first(chosen)))
 
 
 def _generator(seed: int, *names: str | int) -> torch.Generator:
