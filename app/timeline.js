@@ -168,7 +168,7 @@ class Timeline {
     const step = stepFor(high - low, 3);
     let before = Infinity;
     for (let value = Math.ceil(low / step) * step; value <= high; value += step) {
-      if (before - y(value) < 11) continue;
+      if (before - y(value) < 10) continue;
       before = y(value);
       this.text(LEFT - 5, before + 3.5, `${+value.toFixed(2)}${lane.unit === "°" ? "°" : ""}`.replace("-", "−"), "tick", "end");
     }

@@ -234,8 +234,8 @@ def _amount(teller: Teller, value: Amount) -> str:
     if head.word == "clock" and amount.unit == "frame":
         return f"frame {amount.figure}"
     if value.at_s is not None:
-        at_most = " at most" * (head.word == "amount")
-        text += f"{at_most}, at {teller.moment(value.at_s)}"
+        farthest = "at its farthest " * (head.word == "amount")
+        text = f"{farthest}{text}, at {teller.moment(value.at_s)}"
     is_back = motion is not None and any(move.path is not None for move in motion.movements)
     if is_back and head.word == "amount" and value.at_s is not None:
         return f"{text}; {_net(motion.movements[0])}"

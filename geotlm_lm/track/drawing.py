@@ -131,7 +131,7 @@ class Drawing:
 def drawing_of(track: Track, units: Units) -> Drawing:
     """Return what is drawn of a track, in the units of its recording."""
     path = track.path_from_start
-    curves = _curves(units, path, SPAN_DEVIATIONS * track.path_deviations, track.contact)
+    curves = _curves(units, path, SPAN_DEVIATIONS * track.held_deviations, track.contact)
     bands = tuple(band_of(event, units) for event in track.events)
     arrows = _arrows(path, units)
     return Drawing(units, track.numbers, track.times_s, path, arrows, curves, bands)

@@ -101,7 +101,19 @@ class Track:
     @property
     def path_deviations(self) -> Floats:
         """Deviations of the same, (n, 4)."""
-        own = np.cumsum(np.diagonal(self.covariances, axis1=1, axis2=2), axis=0)
+        return self._deviations(np.diagonal(self.covariances, axis1=1, axis2=2))
+
+    @property
+    def held_deviations(self) -> Floats:
+        """Deviations of the same counted from when it is held, (n, 4).
+
+        Where an imprint that forms goes is hardly known, and no event rests on it.
+        """
+        own = np.diagonal(self.covariances, axis1=1, axis2=2)
+        return self._deviations(np.where(self._is_held[:, None], own, 0.0))
+
+    def _deviations(self, of_steps: Floats) -> Floats:
+        own = np.cumsum(of_steps, axis=0)
         steps = np.abs(self.twists[:, 0])
         shares = np.tile(SYSTEMATIC_OF, (len(self), 1))
         shares[:, 0] = doubted_share(np.cumsum(steps), np.cumsum(steps * self.turn_shares))

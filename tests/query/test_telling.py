@@ -96,8 +96,9 @@ def test_a_label_of_digits_stays_as_it_is_written():
 
 def test_what_goes_both_ways_is_told_both_ways():
     clip = of_track(turning([40.0, -38.0]))
-    assert told("amount turn", clip).startswith("About 40 degrees")
-    assert told("amount turn", clip).endswith("at most, at 2.0 s; net 2 degrees clockwise.")
+    assert told("amount turn", clip) == (
+        "At its farthest about 40 degrees, likely 29 to 51, at 2.0 s; net 2 degrees clockwise."
+    )
     assert told("amount ccw", clip) == (
         "38 degrees counterclockwise and 40 degrees clockwise, in the camera image."
     )
