@@ -27,8 +27,8 @@ def train(
         "Bundle that is taken as it is up to --stage, and made anew from there."
     ),
     stage: str = option(
-        "What is made anew of it: language, or of that only slots (what is felt, and sentences) "
-        "or sentences.",
+        "What is made anew of it: language; or, of that, reading and what follows, which goes on "
+        "from it, slots (what is felt, and sentences) or sentences.",
         default="language",
     ),
 ) -> None:

@@ -18,10 +18,11 @@ from geotlm_lm.query.program import Program
 from geotlm_lm.simulation.gels import HELD_OUT_GELS, TRAINING_GELS
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS, TRAINING_OBJECTS
 from geotlm_lm.simulation.touch import Touch, simulate_touch
-from geotlm_lm.training import config, english, examples, language, train
+from geotlm_lm.training import calibration, config, english, examples, language, train
 from geotlm_lm.training.config import example_sets
 from geotlm_lm.training.examples import read_examples
 from geotlm_lm.training.grammar import corpus
+from geotlm_lm.training.labelled import labelled
 from geotlm_lm.training.language import LanguageTraining
 from tests.training.shared_steps import PASSAGES
 
@@ -167,13 +168,34 @@ def test_what_reads_and_feels_is_taken_from_a_bundle_that_learns_to_speak(finish
     assert all(name.startswith(f"model.layers.{last}.") for name in changed)
 
 
+def test_what_reads_goes_on_learning_and_is_the_best_mean_with_what_it_was(
+    finished, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(language, "labelled", lambda name: labelled(name)[:1])
+    monkeypatch.setattr(calibration, "SHARES", (0.5,))
+    given = finished / "bundle"
+    train.train("tiny", tmp_path, seed=3, workers=1, start=given, stage="reading")
+    assert (
+        "--start bundle --stage reading" in load_bundle(tmp_path / "bundle").provenance["command"]
+    )
+    share = json.loads((tmp_path / "language_share.json").read_text())
+    assert share["share"] == 0.5
+    assert set(share["read"]) == {"0.5"}
+    learned = torch.load(tmp_path / "language_reading.pt", weights_only=False)["model"]
+    name = "model.layers.0.mlp.up_proj.weight"
+    before, after = (load_bundle(each).reader.decoder for each in (given, tmp_path / "bundle"))
+    mean = (before.stored[name] + learned[f"llama.{name}"].numpy()) / 2
+    assert (after.stored[name] != before.stored[name]).any()
+    assert after.stored[name] == pytest.approx(mean, abs=1e-3)
+
+
 def test_a_stage_of_nothing_is_refused(tmp_path):
     with pytest.raises(UsageError, match="--stage slots goes on from a bundle; give one by"):
         train.train("tiny", tmp_path, seed=3, workers=1, stage="slots")
 
 
 def test_an_unknown_stage_is_refused(tmp_path):
-    with pytest.raises(UsageError, match="no stage 'end'; choose one of language, slots"):
+    with pytest.raises(UsageError, match="no stage 'end'; choose one of language, reading, slots"):
         train.train("tiny", tmp_path, seed=3, workers=1, stage="end")
 
 
