@@ -9,7 +9,7 @@ import math
 import re
 import tomllib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -98,7 +98,27 @@ def find(text: str) -> list[Stated]:
         scale = _scale(stated[-1], one, text) if stated else None
         stated[-1 if scale else len(stated) :] = [scale or one]
         at = one.end
-    return stated
+    return [_sharing(stated, place, text) for place in range(len(stated))]
+
+
+def _sharing(stated: Sequence[Stated], place: int, text: str) -> Stated:
+    """Return a number with the unit that its neighbour has for both: "200 to 500 ms"."""
+    own = stated[place]
+    if own.quantity.unit:
+        return own
+    unit = ""
+    if place + 1 < len(stated) and _are_joined(own, stated[place + 1], text):
+        unit = stated[place + 1].quantity.unit
+    elif place and _are_joined(stated[place - 1], own, text):
+        before = stated[place - 1]
+        is_listed = re.search(r"s\s*$", text[: before.start]) is not None  # "frames 30 to 45"
+        unit = before.quantity.unit if is_listed and before.quantity.unit == "frame" else ""
+    return replace(own, quantity=replace(own.quantity, unit=unit)) if "/" not in unit else own
+
+
+def _are_joined(one: Stated, other: Stated, text: str) -> bool:
+    between = text[one.end : other.start].strip().lower()
+    return between in words_of_text()["ranges"]["words"]
 
 
 def _pi_at(text: str, at: int) -> Stated | None:
@@ -235,6 +255,8 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
         elif word in ("hundred", "thousand") and part is not None:
             part, end = part * numbers[word], after
         elif word in numbers and part in range(1, 10) and 10 < numbers[word] < 100:
+            if text[at : at + 2].lower() == "a ":  # "a sixty degree turn"
+                break
             part, end = 100 * part + numbers[word], after  # "three sixty"
         elif word in numbers and (part is None or part >= 20 or word in ("hundred", "thousand")):
             if has_any and part is None:  # "half a turn": its "a" is the unit's
@@ -305,7 +327,7 @@ def _unit_at(text: str, at: int, joints: Sequence[Sequence[str]] = ()) -> tuple[
     if text[end - 1] == "." and word not in ("per", "/"):  # the next sentence
         return unit, end
     for _ in range(2):  # "20 px per mm", "20 px for each mm", "20 px to the mm"
-        if word not in _PER:
+        if word not in _PER or (unit in FACTORS["time"] and word in ("in", "to")):
             break
         per, last = _plain_unit(text, after)
         if per in _RATES and per != unit and (per != "frame" or word in _PER_FRAME):
