@@ -361,3 +361,18 @@ def test_several_answers_are_told_apart(line, text):
     told = answers(lines.read(line), (still,), FRAME)
     sentence = worded(told, "sentence", Teller(RECORDING, FRAME)).text
     assert sentence == text
+
+
+@pytest.mark.parametrize(("frames", "now"), [(64, "counterclockwise"), (90, "clockwise")])
+def test_what_happens_now_is_what_goes_on_at_the_end(frames, now):
+    clip = of_track(turning([40.0, -38.0, 36.0, -35.0, 34.0]).between(0, frames))
+    assert told("at end recording touch", clip) == "Yes."
+    assert told("at end recording turn", clip).startswith("Yes")
+    assert f"turns {now}" in told("at end recording way turn", clip)
+    assert told("at end recording still", clip).startswith("No")
+
+
+def test_four_frames_are_all_of_the_present():
+    clip = of_clip(certain(turn=12.0))
+    for asked in ("turn", "touch", "way all", "still"):
+        assert told(f"at end recording {asked}", clip) == told(asked, clip)
