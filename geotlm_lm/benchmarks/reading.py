@@ -193,9 +193,10 @@ the order of facts and of what stands in any order; the *right value* is that of
 states the same and comes to the same on 50 recordings that are made up, whatever its form. Families
 of phrasing, and their clauses, were kept from training. The *blind* questions, and the *set-ups*
 that state one to five facts in several sentences, were written by people who had seen no template
-and no rule, and nothing was chosen by them; the *tune* questions, written so too, are what readers
-were chosen and calibrated by. All that two *writers* ask was kept from training, and is told apart
-by what makes it hard as well. Intervals resample whole families.""",
+and no rule, and nothing was chosen by them; readers were chosen and calibrated by the *tune*
+questions, written so too, and chosen by what *askers* labelled themselves, of which all that mean
+one thing were kept from training. All that two *writers* ask was kept from training, and is told
+apart by what makes it hard as well. Intervals resample whole families.""",
     shares=whole(_reading_rows),
     views={
         "": Pivot(
