@@ -6,6 +6,7 @@ object that both look at, and whatever sees that it is watched no more ends.
 
 from __future__ import annotations
 
+import re
 import secrets
 import time
 from collections.abc import Iterator, Sequence
@@ -68,6 +69,10 @@ LEAST_FRAMES = 5
 LEAST_KEPT = 3 * LEAST_FRAMES
 """Frames that are kept however large they are: of half of them enough are settled."""
 
+NOW = re.compile(r"\b(now|currently|at the moment)\b", re.IGNORECASE)
+NOW_S = 0.4
+"""What a question asks of the present by, and how far back that reaches."""
+
 NO_GEL_YET = (
     "No untouched gel was seen yet, so that nothing is followed; let go of what touches it for a "
     "moment."
@@ -96,7 +101,7 @@ class LiveStream:
         self._apart, self._stuck = 1, StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
         self._began_s = 0.0 if is_camera else time.monotonic()
-        self._shown: tuple[tuple[int, bool], LoadedClip] | None = None
+        self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
         self.session: Any = None  # the conversation; none before the first question
 
     def feed(self, frame: Image, time_s: float, number: int | None = None) -> list[Any]:
@@ -183,15 +188,22 @@ class LiveStream:
             return f"From {self._moment[0]:.2f} s on: {words}. {self._moment[1]}"
         return f"Did not hold: {words}." if self.is_over else f"Waiting for this: {words}."
 
-    def shown(self) -> LoadedClip:
-        """Return what was seen up to the last frame, ready for questions, which go on."""
+    def shown(self, *, is_now: bool = False) -> LoadedClip:
+        """Return what was seen up to the last frame, ready for questions; the conversation goes on.
+
+        Of the present it is the last tenths of a second.
+        """
         if self.count and self._tracker.idle is None:
             raise GeoTLMError(NO_GEL_YET)
         track = self._tracker.so_far if self.is_over else self._tracker.now()
         kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
         if len(kept) < LEAST_FRAMES:
             raise GeoTLMError(WATCH_FIRST)
-        seen = int(track.numbers[-1]), self.is_over  # its end cuts off the last events
+        if is_now:
+            last = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
+            kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
+            track = track.between(int(last[0]), int(last[-1]))
+        seen = int(track.numbers[-1]), self.is_over, is_now  # its end cuts off the last events
         if self._shown is not None and self._shown[0] == seen:
             return self._shown[1]
         numbers, frames = zip(*kept, strict=True)
@@ -350,7 +362,7 @@ class LiveTalk(Talking):
         """As `Talking.ask`, unless something else is watched when the answer comes."""
         if (stream := live.stream) is None:
             raise GeoTLMError(WATCH_FIRST)
-        shown = stream.shown()
+        shown = stream.shown(is_now=bool(NOW.search(question)))
         for values in super().ask(question, shown, facts, mm_per_px):
             if live.stream is not stream:
                 continue

@@ -8,6 +8,7 @@ import pytest
 from app import live
 from app.live import (
     NOTHING,
+    NOW_S,
     LiveSession,
     LiveTalk,
     follow_camera,
@@ -228,6 +229,19 @@ def test_the_moment_from_which_on_a_condition_holds_is_marked(tmp_path):
     with pytest.raises(GeoTLMError, match="expected something that holds or does not"):
         waiting(watched, "Which way does it go?")
     assert watched.condition is None  # nor is the one before waited for any more
+
+
+def test_what_happens_now_is_told_of_the_last_moments(tmp_path, clock):
+    watched = LiveSession()
+    followed(there_and_back().frames[:70], watched)
+    track = watched.stream.shown(is_now=True).encoded.track
+    assert track.times_s[-1] == pytest.approx(69 * 0.04)
+    assert 0 <= track.times_s[0] - (69 * 0.04 - NOW_S) < 0.04 + 1e-9
+    followed(there_and_back().frames[70:80], watched)
+    later = watched.stream.shown(is_now=True).encoded.track
+    assert len(later) == len(track)
+    assert later.times_s[-1] == pytest.approx(79 * 0.04)
+    assert watched.stream.shown().encoded.track.times_s[0] == 0
 
 
 def test_a_question_is_about_what_goes_on_as_well(clock):
