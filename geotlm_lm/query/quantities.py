@@ -280,8 +280,9 @@ def _spoken(text: str, at: int) -> tuple[float | None, int]:
                 end = after = last
             elif not (part is not None and part >= 100 and follows in numbers):
                 break
-        elif word == "-" and part is not None and part >= 20:
-            pass
+        elif word == "-" and part is not None:
+            if part < 20 and _next_word(text, after)[0] not in fractions:  # "two-thirds"
+                break
         else:
             break
         word, after = _next_word(text, after)
@@ -304,7 +305,7 @@ def _next_word(text: str, at: int) -> tuple[str | None, int]:
     return (match[0].rstrip(".").lower(), match.end()) if match else (None, at)
 
 
-_OF, _JOINTS = (("of", "a"), ("of",)), (("a",), ("an",), ("full",), ("-",))
+_OF, _JOINTS = (("of", "a", "full"), ("of", "a"), ("of",)), (("a",), ("an",), ("full",), ("-",))
 """What may stand between a part and its unit, "a quarter of a turn", and between others and theirs:
 "half a turn", "two full turns"."""
 
@@ -330,6 +331,9 @@ def _unit_at(text: str, at: int, joints: Sequence[Sequence[str]] = ()) -> tuple[
         if word not in _PER or (unit in FACTORS["time"] and word in ("in", "to")):
             break
         per, last = _plain_unit(text, after)
+        nouns = words_of_text()["ordinals"]["nouns"]
+        if word in ("in", "the") and per == "s" and _next_word(text, last)[0] in nouns:
+            break  # "30 degrees in the second touch"
         if per in _RATES and per != unit and (per != "frame" or word in _PER_FRAME):
             return f"{unit}/{per}", last
         word, after = _next_word(text, after)

@@ -57,3 +57,21 @@ def test_pixels_that_equal_a_length_are_one_scale(text, mm_each):
     (found,) = quantities(f"My calibration says {text}.")
     assert mm_per_px(found) == pytest.approx(mm_each)
     assert [one.unit for one in quantities("one pixel is 0.06 mm")] == ["px", "mm"]
+
+
+@pytest.mark.parametrize(
+    ("text", "stated"),
+    [
+        ("between 200 and 500 ms", [(200, "ms"), (500, "ms")]),
+        ("frames 30 to 45", [(30, "frame"), (45, "frame")]),
+        ("from 5 px or 2 degrees", [(5, "px"), (2, "deg")]),
+        ("the time in mm after 3 s in mm", [(3, "s")]),
+        ("a sixty degree turn", [(60, "deg")]),
+        ("one sixty degrees", [(160, "deg")]),
+        ("two-thirds of a full turn", [(2 / 3, "turn")]),
+        ("30 degrees in the second touch", [(30, "deg")]),
+        ("30 degrees in the second", [(30, "deg/s")]),
+    ],
+)
+def test_a_number_has_the_unit_that_is_meant(text, stated):
+    assert [(each.value, each.unit) for each in quantities(text)] == stated
