@@ -21,11 +21,13 @@ from geotlm_lm.core.numbers import generator_for
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Twist
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.answers import answers
+from geotlm_lm.query.copied import copied
 from geotlm_lm.query.evaluate import ContactArea, Evidence
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.lines import read
 from geotlm_lm.query.phrases import label_of
 from geotlm_lm.query.program import LEANING, Program, asks_of_two, filled, head_of, type_of
+from geotlm_lm.query.quantities import quantities
 from geotlm_lm.query.reader import Reader, Reading
 from geotlm_lm.query.values import (
     Amount,
@@ -141,7 +143,10 @@ def graded_rows(name: str, graded: Sequence[Graded], seed: int) -> Iterator[Row]
 def _comes_to_it(question: Labelled, reading: Reading) -> bool:
     """Whether what was read comes to the same as what was meant."""
     got = resumed(reading.program, BEFORE)
-    meant = (filled(read(line), reading.quantities, reading.texts) for line in question.queries)
+    numbers = quantities(question.text)
+    # Those of the text as it was typed: mending a slip may change which words there are.
+    words = tuple(each.text for each in copied(question.text))
+    meant = (filled(read(line), numbers, words) for line in question.queries)
     return any(come_to_the_same(got, resumed(each, BEFORE)) for each in meant)
 
 
