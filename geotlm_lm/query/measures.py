@@ -287,8 +287,8 @@ def _edges(context: Context, atom: str) -> tuple[Floats, Numbers]:
     times = {float(begin), float(end)}
     for happening in context.worlds.motions(COMPONENT[atom]):
         times |= {t for t in (happening.begin_s, happening.end_s) if begin <= t <= end}
-    edges = np.array(sorted(times))
-    return edges, _net(replace(context, now=edges[:, None]), atom, context)
+    edges, whole = np.array(sorted(times)), replace(context, now=None)
+    return edges, _net(replace(whole, now=edges[:, None]), atom, whole)
 
 
 def _peak(context: Context, atom: str) -> Numbers:

@@ -399,3 +399,9 @@ def test_cost_grows_no_faster_than_the_recording(monkeypatch):
             told(line, clip)
         sums.append(sum(size for size in looked_up if size > 1))
     assert 3 < sums[1] / sums[0] < 5
+
+
+def test_how_far_it_gets_is_the_same_at_every_moment():
+    clip = of_track(turning([40.0, -38.0]))
+    assert told("ever > peak turn 30.0:deg", clip).holds
+    assert not told("ever > peak turn 60.0:deg", clip).holds
