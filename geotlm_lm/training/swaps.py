@@ -20,7 +20,7 @@ from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.copied import copied
 from geotlm_lm.query.lines import Malformed, read, write
 from geotlm_lm.query.program import UNITS, dimension_of, is_void, normal
-from geotlm_lm.query.quantities import find
+from geotlm_lm.query.quantities import find, quantities
 from geotlm_lm.training.grammar import Pair
 
 SHARE = 0.6
@@ -54,14 +54,10 @@ class Group:
         return re.compile(rf"(?<![\w-])(?:{'|'.join(map(re.escape, words))})(?![\w-])", re.I)
 
     def place_of(self, word: str) -> tuple[int, int]:
-        """Return meaning and column of a word of a text, as it is written or in small letters."""
-        for wanted in (word, word.lower()):
-            for place, words in enumerate(self.text):
-                if wanted in words:
-                    return place, list(words).index(wanted)
-        folded = [[each.lower() for each in words] for words in self.text]
-        place = next(at for at, words in enumerate(folded) if word.lower() in words)
-        return place, folded[place].index(word.lower())
+        """Return the first meaning and column of a word of a text, whatever its case."""
+        small = word.lower()
+        place = next(place for place, words in enumerate(self.text) if small in words)
+        return place, self.text[place].index(small)
 
 
 class Swaps:
@@ -95,14 +91,18 @@ def _present(group: Group, pattern: re.Pattern[str], pair: Pair) -> set[int]:
     ]
     if group.units & set(map(dimension_of, units)):
         return set()
-    matches = [match for match in pattern.finditer(pair.text) if _is_free(match, pair.text)]
-    return meant if {group.place_of(match[0])[0] for match in matches} == meant else set()
+    spoken_of = {group.place_of(match[0])[0] for match in _free(pattern, pair.text)}
+    return meant if spoken_of == meant else set()
 
 
-def _is_free(match: re.Match[str], text: str) -> bool:
-    """Tell whether a word is none of a number or of what is copied."""
+def _free(pattern: re.Pattern[str], text: str) -> list[re.Match[str]]:
+    """Return the group's words in a text that are none of a number or of what is copied."""
     taken = (*find(text), *copied(text))
-    return not any(match.start() < each.end and each.start < match.end() for each in taken)
+    return [
+        match
+        for match in pattern.finditer(text)
+        if not any(match.start() < each.end and each.start < match.end() for each in taken)
+    ]
 
 
 def _drawn(rng: random.Random, present: set[int], count: int) -> dict[int, int]:
@@ -111,39 +111,33 @@ def _drawn(rng: random.Random, present: set[int], count: int) -> dict[int, int]:
 
 
 def _with(group: Group, pattern: re.Pattern[str], pair: Pair, new: Mapping[int, int]) -> Pair:
-    def other(match: re.Match[str]) -> str:
-        if not _is_free(match, pair.text):
-            return match[0]
+    text, at = "", 0
+    for match in _free(pattern, pair.text):
         place, column = group.place_of(match[0])
         word = group.text[new[place]][column]
-        if match[0].isupper() and len(match[0]) > 1:
-            return word.upper()
-        return word[0].upper() + word[1:] if match[0][0].isupper() else word
-
+        if match[0][0].isupper():
+            word = word.upper() if match[0].isupper() else word[0].upper() + word[1:]
+        text, at = text + pair.text[at : match.start()] + word, match.end()
     words = {
         own: group.program[new[place]][column]
         for place in new
         for column, own in enumerate(group.program[place])
     }
     query = " ".join(words.get(word, word) for word in pair.query.split())
-    return Pair(pattern.sub(other, pair.text), query, pair.families)
+    return Pair(text + pair.text[at:], query, pair.families)
 
 
 def _is_sound(before: Pair, after: Pair) -> bool:
     """Tell whether numbers and copied words are what they were, and the program is one."""
-    for spans in (find, copied):
-        old, new = ([_value(each) for each in spans(pair.text)] for pair in (before, after))
-        if old != new:
-            return False
+    numbers = [quantities(pair.text) for pair in (before, after)]
+    words = [[each.text for each in copied(pair.text)] for pair in (before, after)]
+    if numbers[0] != numbers[1] or words[0] != words[1]:
+        return False
     try:
         program = read(after.query)
     except Malformed:
         return False
     return not is_void(program) and write(normal(program)) == after.query
-
-
-def _value(each: object) -> object:
-    return getattr(each, "quantity", None) or getattr(each, "text", None)
 
 
 def _groups(rows: Sequence[Mapping[str, object]]) -> Iterator[Group]:
