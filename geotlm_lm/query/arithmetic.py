@@ -175,12 +175,6 @@ def _times(context: Context, left: Expression, right: Expression) -> Numbers:
         for speed, time in ((one, two), (two, one)):
             if "/" in speed.unit and time.unit in p.UNITS["time"]:
                 return _way_gone(context, speed, time)
-        for turns, each in ((one, two), (two, one)):
-            if turns.unit == "turn":  # counted: a pitch goes its length, a gear its angle in each
-                size = float(np.median(each.values))
-                return each.also(
-                    turns.values * each.values, tolerance=turns.tolerance * size, atom=None
-                )
         is_turn = one.unit.partition("/")[0] in p.UNITS["angle"]
         return _arc(context, *((one, two) if is_turn else (two, one)))
     # A bare constant is exact: the product is as inexact as what it is a multiple of.
@@ -211,11 +205,12 @@ def _way_gone(context: Context, speed: Numbers, time: Numbers) -> Numbers:
 
 
 def _arc(context: Context, turn: Numbers, radius: Numbers) -> Numbers:
-    """Return how far what turns goes at a radius, or how fast."""
+    """Return how far what turns goes at a radius, or how fast; of counted turns at a pitch."""
     top, gap, per = turn.unit.partition("/")
     if top not in p.UNITS["angle"] or radius.unit not in p.UNITS["length"]:
         raise Untold("unit")
-    turn = converted(context, turn, f"rad{gap}{per}")
+    if top != "turn":
+        turn = converted(context, turn, f"rad{gap}{per}")
     return radius.also(
         turn.values * radius.values, unit=f"{radius.unit}{gap}{per}",
         tolerance=turn.tolerance * float(np.median(radius.values)), atom=None,

@@ -29,6 +29,9 @@ Floats = NDArray[np.float64]
 GRID = 512
 """Moments that are looked at together: what is over before them is added once for all of them."""
 
+_PRESENT = p.of("end", p.of("recording"))
+"""The moment of which "now" speaks."""
+
 
 class Untold(Exception):  # noqa: N818  (no error: what an answer lacks)
     """Why something cannot be told, a name of `replies.toml`."""
@@ -303,9 +306,6 @@ def evaluate(expression: Expression, context: Context) -> Any:
     return PRIMITIVES[word](context, *arguments)
 
 
-_LAST = p.of("end", p.of("recording"))
-
-
 def placed(expression: Expression, context: Context) -> tuple[Expression, Context]:
     """Return an expression without the views, clips and spans around it, and their context."""
     while expression.word in AROUND:
@@ -323,7 +323,7 @@ def _inside_of(expression: Expression, context: Context) -> Context:
         spot = evaluate(expression.arguments[0], context)
         return context.within(spot.begin, spot.end)
     if word == "at":
-        if expression.arguments[0] == _LAST and not context.worlds.is_timed:
+        if expression.arguments[0] == _PRESENT and not context.worlds.is_timed:
             return context  # four frames are all of the present
         context.timed()
         return replace(context, now=evaluate(expression.arguments[0], context))

@@ -199,6 +199,7 @@ def test_a_share_is_a_time_over_a_time():
     ("/ amount cw length contact", 16.25, "deg/s"),
     ("* amount cw 10.0:mm", 11.34, "mm"),
     ("* unit rad amount cw 10.0:mm", 11.34, "mm"),
+    ("* unit turn amount cw 10.0:mm", 1.81, "mm"),  # a pitch
     ("unit mrad amount cw", 1134, "mrad"),
     ("count contact-events", 1, ""),
     ("count gaps touch-events", 0, ""),
