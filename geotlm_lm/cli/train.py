@@ -27,8 +27,8 @@ def train(
         "Bundle that is taken as it is up to --stage, and made anew from there."
     ),
     stage: str = option(
-        "What is made anew of it: language; or, of that, reading and what follows, which goes on "
-        "from it, slots (what is felt, and sentences) or sentences.",
+        "From where on it is made anew: language (all of it), reading (which goes on learning), "
+        "slots (what is felt) or sentences.",
         default="language",
     ),
 ) -> None:

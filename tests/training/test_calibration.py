@@ -1,13 +1,18 @@
 """Expected values: likelihoods drawn from a known temperature, and separable contact shares."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from geotlm_lm.training.calibration import (
+    SHARES,
+    best_share,
     expected_calibration_error,
     fit_contact_threshold,
     fit_temperature,
 )
+from geotlm_lm.training.labelled import Labelled
 
 
 @pytest.mark.parametrize("temperature", [0.5, 1.0, 3.0])
@@ -38,3 +43,14 @@ def test_the_error_is_the_gap_weighted_by_how_often_it_is_met():
     assert expected_calibration_error(confidence, is_right) == pytest.approx(expected)
     # Too sure and too unsure do not cancel.
     assert expected_calibration_error([1.0, 0.0], [False, True]) == 1.0
+
+
+def test_the_share_that_reads_most_is_the_best():
+    questions = [Labelled(text, ("turn",)) for text in "abcd"]
+    right = dict(zip(SHARES, ("ab", "abc", "a", ""), strict=True))
+
+    def reader_of(share):
+        lines = {text: "turn" if text in right[share] else "slide" for text in "abcd"}
+        return SimpleNamespace(read=lambda text: SimpleNamespace(line=lines[text]))
+
+    assert best_share(reader_of, questions) == (0.8, {1.0: 0.5, 0.8: 0.75, 0.6: 0.25, 0.4: 0.0})
