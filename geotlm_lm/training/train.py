@@ -201,8 +201,8 @@ def learn_language(
 ) -> Path:
     """Train a language model from `stage` on, to answer from what is seen; return its folder.
 
-    What comes before `stage` is that of the bundle in `start`; what reads already learns for two
-    thirds of the steps. Only the first rank has `seen`.
+    What comes before `stage` is that of the bundle in `start`; what reads already learns for three
+    quarters of the steps. Only the first rank has `seen`.
     """
     width = ranks.from_first(lambda: seen.model.backbone.width)
 
@@ -233,7 +233,7 @@ def learn_language(
         kept = ("english_steps", "reading_steps", "slots_steps")[: STARTS.index(stage)]
         config = replace(config, **dict.fromkeys(kept, 0))
         if stage == "reading":
-            config = replace(config, reading_steps=2 * config.reading_steps // 3)
+            config = replace(config, reading_steps=3 * config.reading_steps // 4)
         taught = replace(taught, start=start / LANGUAGE_DIR)
     # On a CPU processes that draw would only wait for each other.
     drawing = 0 if ranks.kind == "cpu" else workers
