@@ -31,7 +31,8 @@ from geotlm_lm.model import GeoTLM
 from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
-from geotlm_lm.query.reader import Reader, Speaker
+from geotlm_lm.query.reader import Reader
+from geotlm_lm.query.speaker import Speaker
 
 BUNDLE_FORMAT = 12
 CONFIG_FILE = "config.json"

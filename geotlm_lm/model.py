@@ -15,6 +15,7 @@ from geotlm_lm.backbone.motions import Motions
 from geotlm_lm.backbone.tokens import Backbone, Tokens
 from geotlm_lm.backbone.view import View
 from geotlm_lm.core.clip import Clip
+from geotlm_lm.core.process import in_one_thread
 from geotlm_lm.dgr.encoder import DGR, Geometry
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
@@ -66,6 +67,7 @@ class GeoTLM:
         """Perceive clips of four frames with a background each."""
         return self.fuse(self.backbone.encode(clips))  # Eq. 1
 
+    @in_one_thread()
     @torch.inference_mode()
     def fuse(self, tokens: Tokens) -> Perception:
         """Add the geometric feature to the global token (Eqs. 2-9)."""

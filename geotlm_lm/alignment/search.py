@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from geotlm_lm.alignment.direct import Aligned, Picture, Rigid, align
+from geotlm_lm.core.process import in_one_thread
 
 Floats = NDArray[np.float32]
 
@@ -95,9 +96,10 @@ def correlations(
     target[:rows, :columns] = after
     norm = np.sqrt(np.einsum("nij,nij->n", turned, turned) * np.square(target).sum()) + 1e-6
     turned /= norm[:, None, None]
-    spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical_()
-    spectra *= torch.fft.rfft2(torch.from_numpy(target))
-    return torch.fft.irfft2(spectra, s=padded).numpy()
+    with in_one_thread():
+        spectra = torch.fft.rfft2(torch.from_numpy(turned)).conj_physical_()
+        spectra *= torch.fft.rfft2(torch.from_numpy(target))
+        return torch.fft.irfft2(spectra, s=padded).numpy()
 
 
 def align_or_search(before: Picture, after: Picture, start: Rigid | None = None) -> Aligned:

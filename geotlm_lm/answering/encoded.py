@@ -16,7 +16,7 @@ from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.model import Perception, contact_centre
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.query.evaluate import ContactArea, Evidence
-from geotlm_lm.query.reader import TactilePrefix
+from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.query.values import Recording
 from geotlm_lm.query.worlds import worlds_of_clip, worlds_of_track
 from geotlm_lm.recordings.idle import estimate_background

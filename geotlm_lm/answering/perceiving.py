@@ -20,7 +20,7 @@ from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.query.reader import TactilePrefix
+from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.scene_checks import SceneReport, scene_of

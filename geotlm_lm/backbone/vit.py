@@ -24,6 +24,7 @@ from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.backbone.tokens import Tokens
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import GRID_SIDE, SENSOR_TOKEN_COUNT, TIME_BIN_COUNT
+from geotlm_lm.core.process import in_one_thread
 
 MLP_RATIO, NORM_EPS = 4, 1e-5
 """Width of a block's hidden layer over a token's, and epsilon of its norms, as in AnyTouch 2."""
@@ -190,6 +191,7 @@ class FrozenBackbone:
         """Return the weights by name."""
         return self.vit.state_dict()
 
+    @in_one_thread()
     def encode(self, clips: list[Clip]) -> Tokens:
         """Return the tokens of clips of four frames with a background each, in float32."""
         inputs, views, motions = zip(*(measure_clip(clip) for clip in clips), strict=True)

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from multiprocessing import resource_tracker
-from typing import Protocol
+from typing import Any, Protocol
+
+from threadpoolctl import OpenBLASController, ThreadpoolController
 
 
 class Progress(Protocol):
@@ -89,6 +93,58 @@ def one_thread_in_children() -> Iterator[None]:
                 del os.environ[name]
             else:
                 os.environ[name] = value
+
+
+class _OneBlasThread:
+    """Holds numpy's products to one thread while any thread of the process wants it."""
+
+    def __init__(self) -> None:
+        self._lock, self._wanted = threading.Lock(), 0
+        self._limit: Any = None
+
+    def enter(self) -> None:
+        with self._lock:
+            if not self._wanted:
+                OpenBLASController.clear_controlling_thread(force=True)
+                self._limit = _blas().limit(limits=1)
+            self._wanted += 1
+
+    def leave(self) -> None:
+        with self._lock:
+            self._wanted -= 1
+            if not self._wanted:
+                # Only the thread that set a limit may lift it, which may not be the last to leave.
+                OpenBLASController.clear_controlling_thread(force=True)
+                self._limit.restore_original_limits()
+
+
+@lru_cache(maxsize=1)
+def _blas() -> ThreadpoolController:
+    return ThreadpoolController().select(user_api="blas")
+
+
+_ONE_BLAS_THREAD = _OneBlasThread()
+
+
+@contextmanager
+def in_one_thread() -> Iterator[None]:
+    """Let numpy and torch compute in the calling thread alone.
+
+    Handing out parts of products as small as a clip's or a question's takes longer than the
+    products, and beside busy cores ten times longer: the threads spin while they wait for each
+    other.
+    """
+    torch = sys.modules.get("torch")
+    before = 1 if torch is None else torch.get_num_threads()  # of the calling thread
+    if before > 1:
+        torch.set_num_threads(1)
+    _ONE_BLAS_THREAD.enter()
+    try:
+        yield
+    finally:
+        _ONE_BLAS_THREAD.leave()
+        if before > 1:
+            torch.set_num_threads(before)
 
 
 def usable_cores() -> int:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from geotlm_lm.backbone.stem import measure_clip
 from geotlm_lm.core.clip import Clip, Frames
 from geotlm_lm.core.geometry import FRAME_COUNT, pixel_aspect
+from geotlm_lm.core.process import in_one_thread
 from geotlm_lm.model import GeoTLM, Perception
 from geotlm_lm.motion.belief import Belief
 from geotlm_lm.motion.measured import Measured, measured
@@ -187,6 +188,7 @@ def believer(model: GeoTLM, motion: MotionNetwork) -> Believe:
     return believe
 
 
+@in_one_thread()
 @torch.inference_mode()
 def believed(
     motion: MotionNetwork, clip: Clip, perception: Perception, doubt: float = 1.0

@@ -13,7 +13,8 @@ from geotlm_lm.language.decoder import fresh, served, stored, with_speaking
 from geotlm_lm.language.sequence import log_softmax
 from geotlm_lm.language.size import PREFIX, SLOTS, LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
-from geotlm_lm.query.reader import SLOT_TOKENS, Reader, Speaker, Spelling
+from geotlm_lm.query.reader import SLOT_TOKENS, Reader, Spelling
+from geotlm_lm.query.speaker import Speaker
 from geotlm_lm.training.language_rows import Row, laid, positions, sight
 
 SIZE = LanguageSize(width=32, layers=2, heads=2, mlp=48, speaking=1)

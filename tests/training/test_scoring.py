@@ -9,7 +9,7 @@ from geotlm_lm.language.size import SLOTS
 from geotlm_lm.motion.measured import CANDIDATES, Measured
 from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.program import ATOM_OF
-from geotlm_lm.query.reader import TactilePrefix
+from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.training.scoring import ClipSet, felt_likelihoods, felt_scores, score_bundle
 from geotlm_lm.training.sentences import felt_words
 from geotlm_lm.training.truth import UNASKED
