@@ -194,14 +194,15 @@ READING = Section(
     title="Understanding",
     about="""\
 Each question is read into a program. The *right program* is the one meant in every word, but for
-the order of facts and of what stands in any order; the *right value* is that of a program which
-states the same and comes to the same on 50 recordings that are made up, whatever its form. Families
-of phrasing, and their clauses, were kept from training. The *blind* questions, and the *set-ups*
-that state one to five facts in several sentences, were written by people who had seen no template
-and no rule, and nothing was chosen by them; readers were chosen and calibrated by the *tune*
-questions, written so too, and chosen by what *askers* labelled themselves, of which all that mean
-one thing were kept from training. All that two *writers* ask was kept from training, and is told
-apart by what makes it hard as well. Intervals resample whole families.""",
+the order of facts and of what stands in any order, and degrees, in which angles are told anyway;
+the *right value* is that of a program which states the same and comes to the same on 50 recordings
+that are made up, whatever its form. Families of phrasing, and their clauses, were kept from
+training. The *blind* questions, and the *set-ups* that state one to five facts in several
+sentences, were written by people who had seen no template and no rule, and nothing was chosen by
+them; readers were chosen and calibrated by the *tune* questions, written so too, and chosen by what
+*askers* labelled themselves, of which all that mean one thing were kept from training. All that two
+*writers* ask was kept from training, and is told apart by what makes it hard as well. Intervals
+resample whole families.""",
     shares=whole(_reading_rows),
     views={
         "": Pivot(

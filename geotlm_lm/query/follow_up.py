@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS
-from geotlm_lm.query.lines import units_of
+from geotlm_lm.query.lines import normal, units_of
 from geotlm_lm.query.program import (
     ACCEPTED,
     AROUND,
@@ -33,7 +33,6 @@ from geotlm_lm.query.program import (
     dimension_of,
     head_of,
     leans,
-    normal,
     number,
     of,
     type_of,

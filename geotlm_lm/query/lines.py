@@ -13,7 +13,9 @@ place it is known which words may follow: a decoder writes well-formed programs 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
+from geotlm_lm.core.edit import EDIT_WORDS, Edit
 from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.program import (
@@ -40,6 +42,8 @@ from geotlm_lm.query.program import (
     Quantity,
     Slot,
     Text,
+    of,
+    with_parts,
 )
 
 END = "<end>"
@@ -355,3 +359,27 @@ def _fits(quantity: Quantity, units: Sequence[str]) -> bool:
     is_size = units is _SIZES
     is_part = is_size and per != "" and per in units
     return not (is_size and quantity.unit == "px") and (top in units or is_part)
+
+
+def normal(value: Any) -> Any:
+    """Return a program, or a part of one, in the words that all who mean the same share.
+
+    A run of views is in its shortest words: one that is taken back at once is none. Degrees are not
+    named, in which angles are told anyway, and a speed's unit of time stands before that of its
+    way.
+    """
+    value = with_parts(value, normal)
+    if isinstance(value, Expression) and value.word == "unit":
+        unit, measured = value.arguments
+        if measured.word == "per":
+            time, way = measured.arguments
+            return of("per", time, normal(of("unit", unit, way)))
+        is_angle = (units_of(measured) or ("",))[0] in UNITS["angle"]
+        return measured if unit == "deg" and is_angle and measured.word != "unit" else value
+    words, inner = [], value
+    while isinstance(inner, Expression) and inner.word in EDIT_WORDS:
+        words.append(inner.word)
+        (inner,) = inner.arguments
+    for word in reversed(Edit.of(*words).words if words else ()):
+        inner = of(word, inner)
+    return inner if words else value

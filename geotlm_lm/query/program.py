@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from geotlm_lm.core.edit import EDIT_WORDS, Edit
+from geotlm_lm.core.edit import EDIT_WORDS
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENT_OF, Component
 
@@ -429,21 +429,6 @@ def with_parts(value: Any, change: Callable[[Any], Any]) -> Any:
         if isinstance(inner, tuple | Expression | Slot | Quantity | Text)
     }
     return replace(value, **parts)
-
-
-def normal(value: Any) -> Any:
-    """Return a program, or a part of one, with each run of views in its shortest words.
-
-    A view that is taken back at once is none.
-    """
-    value = with_parts(value, normal)
-    words, inner = [], value
-    while isinstance(inner, Expression) and inner.word in EDIT_WORDS:
-        words.append(inner.word)
-        (inner,) = inner.arguments
-    for word in reversed(Edit.of(*words).words if words else ()):
-        inner = of(word, inner)
-    return inner if words else value
 
 
 def head_of(expression: Expression) -> Expression:

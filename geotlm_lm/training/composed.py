@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from geotlm_lm.core.edit import EDIT_WORDS
-from geotlm_lm.query.lines import write
+from geotlm_lm.query.lines import normal, write
 from geotlm_lm.query.phrases import restated
 from geotlm_lm.query.program import (
     ACCEPTED,
@@ -26,7 +26,6 @@ from geotlm_lm.query.program import (
     Program,
     Slot,
     is_void,
-    normal,
     number,
     of,
     with_parts,

@@ -19,14 +19,13 @@ from typing import Any
 
 from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.copied import copied
-from geotlm_lm.query.lines import read, write
+from geotlm_lm.query.lines import normal, read, write
 from geotlm_lm.query.program import (
     MOST_COPIED,
     MOST_SLOTS,
     TRAITS,
     TWO_CLIPS,
     head_of,
-    normal,
     type_of,
 )
 from geotlm_lm.query.quantities import find

@@ -8,8 +8,8 @@ from copy import copy
 from dataclasses import dataclass, replace
 
 from geotlm_lm.core.files import training_templates
-from geotlm_lm.query.lines import read
-from geotlm_lm.query.program import Expression, Program, normal
+from geotlm_lm.query.lines import normal, read
+from geotlm_lm.query.program import Expression, Program
 from geotlm_lm.training.grammar import Pair, grammar
 
 BLIND, SET_UPS, TUNE, KEPT = "blind", "set-ups", "tune", "kept"

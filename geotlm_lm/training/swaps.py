@@ -18,8 +18,8 @@ from itertools import chain
 
 from geotlm_lm.core.files import training_templates
 from geotlm_lm.query.copied import copied
-from geotlm_lm.query.lines import Malformed, read, write
-from geotlm_lm.query.program import UNITS, dimension_of, is_void, normal
+from geotlm_lm.query.lines import Malformed, normal, read, write
+from geotlm_lm.query.program import UNITS, dimension_of, is_void
 from geotlm_lm.query.quantities import find, quantities
 from geotlm_lm.training.grammar import Pair
 

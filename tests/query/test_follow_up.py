@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given, settings
 
 from geotlm_lm.query.follow_up import resumed
-from geotlm_lm.query.lines import read, write
-from geotlm_lm.query.program import Program, normal
+from geotlm_lm.query.lines import normal, read, write
+from geotlm_lm.query.program import Program
 from tests.query.programs import expressions
 
 
@@ -19,7 +19,7 @@ def spelled(now: str, before: str) -> str:
     ("mirror way turn", "plain again", "way turn"),
     ("way turn", "as-sensor again", "as-sensor way turn"),
     ("amount turn", "unit rad again", "unit rad amount turn"),
-    ("way turn", "unit deg again", "unit deg amount turn"),
+    ("way turn", "unit deg again", "amount turn"),
     ("unit turn amount turn", "instead slide again", "unit turn amount slide"),
     ("way all", "unit mm again", "unit mm amount slide"),
     ("turn", "> again 20.0:deg", "> amount turn 20.0:deg"),

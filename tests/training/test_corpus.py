@@ -5,7 +5,7 @@ from itertools import islice
 import pytest
 
 from geotlm_lm.query.copied import copied
-from geotlm_lm.query.lines import PROGRAM_WORDS, read, write
+from geotlm_lm.query.lines import PROGRAM_WORDS, normal, read, write
 from geotlm_lm.query.program import _ANSWERS, MOST_COPIED, MOST_SLOTS, filled, type_of
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.training.grammar import _CHOICE, _FIELD, SPLITS, corpus, grammar, split_of
@@ -28,6 +28,11 @@ def test_every_label_is_canonical_and_its_slots_are_quantities_of_its_text(name)
         assert len(set(row.queries)) == len(row.queries), row.text
         for line in row.queries:
             assert_is_meant(row.text, line)
+
+
+def test_labels_that_are_learned_are_in_normal_form():
+    """Of two lines that mean the same a reader would have to guess."""
+    assert all(write(normal(read(pair.query))) == pair.query for pair in corpus("train"))
 
 
 def test_no_text_has_two_labels():

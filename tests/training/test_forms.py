@@ -8,8 +8,8 @@ import pytest
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.query.answers import answers
 from geotlm_lm.query.copied import copied
-from geotlm_lm.query.lines import read, write
-from geotlm_lm.query.program import MOST_COPIED, MOST_SLOTS, filled, normal
+from geotlm_lm.query.lines import normal, read, write
+from geotlm_lm.query.program import MOST_COPIED, MOST_SLOTS, filled
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.written import worded

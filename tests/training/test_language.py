@@ -12,9 +12,9 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.language.decoder import stored
 from geotlm_lm.language.size import PREFIX, SLOTS
 from geotlm_lm.motion.network import BELIEF_NUMBERS
-from geotlm_lm.query.lines import read, write
+from geotlm_lm.query.lines import normal, read, write
 from geotlm_lm.query.phrases import restated
-from geotlm_lm.query.program import filled, normal
+from geotlm_lm.query.program import filled
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.reader import SAY, Reader, Spelling
 from geotlm_lm.training import language

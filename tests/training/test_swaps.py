@@ -4,8 +4,7 @@ import random
 
 import pytest
 
-from geotlm_lm.query.lines import read, write
-from geotlm_lm.query.program import normal
+from geotlm_lm.query.lines import normal, read, write
 from geotlm_lm.query.quantities import quantities
 from geotlm_lm.training.grammar import Pair, corpus
 from geotlm_lm.training.swaps import swaps
