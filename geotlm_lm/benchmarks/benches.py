@@ -24,7 +24,7 @@ from geotlm_lm.benchmarks.tracks import TRACKS
 from geotlm_lm.core.errors import UsageError, choice_of
 from geotlm_lm.core.process import silent
 from geotlm_lm.core.record import RunRecord, commit, machine
-from geotlm_lm.runs.processes import threads
+from geotlm_lm.runs.processes import one_thread
 from geotlm_lm.runs.run import (
     ALONE,
     do_parts,
@@ -115,7 +115,7 @@ def run_bench(
         raise UsageError(f"--only '{unknown[0][:40]}' is unknown; {choice_of(unknown[0], names)}")
     started = time.perf_counter()
     sections = dict(before.numbers["sections"]) if before is not None and only else {}
-    with threads(1):
+    with one_thread():
         for name, done in _measured(bench, run, only or names).items():
             sections[name] = done | {"command": command}
     folders = run.real.iterdir() if run.real else ()

@@ -35,7 +35,7 @@ from geotlm_lm.probe.curl import curl_features
 from geotlm_lm.probe.linear import fit_logistic
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.probe.standardise import Standardiser
-from geotlm_lm.runs.processes import threads
+from geotlm_lm.runs.processes import one_thread
 from geotlm_lm.runs.run import ALONE, Workers
 from geotlm_lm.simulation.indenters import EVERYDAY_OBJECTS
 from geotlm_lm.simulation.simulate import SimulatedClip, simulate_series
@@ -233,7 +233,7 @@ def protocol_rows(run: Run) -> list[Row]:
 def task_rows(task: str, run: Run) -> list[Row]:
     """Return one task's rows in both protocols, on one thread."""
     objects, seed = tuple(EVERYDAY_OBJECTS)[: run.size(None, FOLD_COUNT)], SEED + run.seed
-    with threads(1):
+    with one_thread():
         count = run.size(CLIPS, 2)
         if run.encoder is None:
             backbone = run.answerer.bundle.model.backbone

@@ -18,6 +18,7 @@ from geotlm_lm.core.errors import GeoTLMError
 from geotlm_lm.core.process import (
     children_without_interrupts,
     endable,
+    in_one_thread,
     one_thread_in_children,
 )
 
@@ -45,7 +46,7 @@ def map_by_processes(
     """
     if not parts or (is_here and min(workers, len(parts)) <= 1):
         for part in parts:
-            with threads(1):
+            with one_thread():
                 result = work(part)
             yield part, result
         return
@@ -136,19 +137,18 @@ def _hiring() -> Iterator[Hire]:
 
 
 @contextmanager
-def threads(count: int) -> Iterator[None]:
-    """Let torch and OpenCV use `count` threads each inside: it decides a sum's last bits."""
+def one_thread() -> Iterator[None]:
+    """Let numpy, torch and OpenCV use one thread: how many there are decides a sum's last bits."""
     import cv2
-    import torch
+    import torch  # noqa: F401 -- what is imported only inside would keep all its threads
 
-    before = torch.get_num_threads(), cv2.getNumThreads()
-    torch.set_num_threads(count)
-    cv2.setNumThreads(count)
+    before = cv2.getNumThreads()
+    cv2.setNumThreads(1)
     try:
-        yield
+        with in_one_thread():
+            yield
     finally:
-        torch.set_num_threads(before[0])
-        cv2.setNumThreads(before[1])
+        cv2.setNumThreads(before)
 
 
 def _prepare_worker() -> None:

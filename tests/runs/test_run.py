@@ -271,6 +271,6 @@ def test_thread_counts_come_back():
     import torch
 
     before = (torch.get_num_threads(), cv2.getNumThreads())
-    with processes.threads(1):
+    with processes.one_thread():
         assert torch.get_num_threads() == 1
     assert (torch.get_num_threads(), cv2.getNumThreads()) == before
