@@ -69,9 +69,13 @@ LEAST_FRAMES = 5
 LEAST_KEPT = 3 * LEAST_FRAMES
 """Frames that are kept however large they are: of half of them enough are settled."""
 
-NOW = re.compile(r"\b(now|currently|at the moment)\b", re.IGNORECASE)
+NOW = re.compile(
+    r"(?<!\bby )(?<!\bto )(?<!\buntil )(?<!\btill )\bnow\b|\b(currently|at the moment)\b",
+    re.IGNORECASE,
+)
 NOW_S = 0.4
-"""What a question asks of the present by, and how far back that reaches."""
+"""What a question asks of the present by, and how far back that reaches; of what happened by now it
+is asked of all."""
 
 NO_GEL_YET = (
     "No untouched gel was seen yet, so that nothing is followed; let go of what touches it for a "

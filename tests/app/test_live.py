@@ -244,6 +244,24 @@ def test_what_happens_now_is_told_of_the_last_moments(tmp_path, clock):
     assert watched.stream.shown().encoded.track.times_s[0] == 0
 
 
+@pytest.mark.parametrize(
+    ("question", "of_all"),
+    [
+        ("How far does it turn now?", False),
+        ("How far has it turned by now?", True),
+        ("And up to now, how far did it turn?", True),
+        ("How far has it turned until now?", True),
+    ],
+)
+def test_what_happened_by_now_is_told_of_all_that_was_seen(clock, monkeypatch, question, of_all):
+    monkeypatch.setitem(READ, question, "net turn")
+    watched = LiveSession()
+    followed(there_and_back().frames[:60], watched)
+    answers(watched, question)
+    track = watched.stream.session.encoded.track
+    assert (track.times_s[0] == 0) == of_all
+
+
 def test_a_question_is_about_what_goes_on_as_well(clock):
     watched = LiveSession()
     followed(there_and_back().frames[:38], watched)  # it turns yet
