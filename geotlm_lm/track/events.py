@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
 from geotlm_lm.motion.belief import SPAN_DEVIATIONS
-from geotlm_lm.track.legs import SIGNIFICANT, Leg, Legs, Point
+from geotlm_lm.track.legs import SIGNIFICANT, Leg, Legs, Point, timed
 
 Floats = NDArray[np.float64]
 
@@ -164,6 +164,13 @@ LEAK = 0.25
 """Share of a slide that may be read as a turn, as a path at the contact's radius, and of a turn as
 a slide: step by step of either, and of all of a slide."""
 
+LEAK_PER_NOISE = LEAK * SPAN_DEVIATIONS / SIGNIFICANT
+"""The same as a deviation: a turn is told from `SIGNIFICANT` of them on."""
+
+CHOSEN, MOST_OF_LEG = 2, 0.5
+"""How many times as far a part of a leg must turn that is chosen among all its parts, none of them
+a jerk, and what share of the leg it must be."""
+
 JERK_S = 0.13
 """Time below which a leg may be a step that was measured wrong: it must go twice as far."""
 
@@ -287,7 +294,8 @@ class EventFinder:
         kind = kinds.get(component, EventKind.PRESS if is_deeper else EventKind.RELEASE)
         moved = self._event(kind, first, last, component)
         if not _is_significant(moved, first, last):
-            return []
+            apart = self._apart_from_slides(leg) if component is Component.TURN else None
+            return [] if apart is None else self._over(component, apart)
         moved = replace(moved, begin=begin.number, end=end.number, begin_s=begin.time_s,
                         end_s=end.time_s, creeps=(first.number, last.number))  # fmt: skip
         # A rest ends where the leg begins, or one that is not over yet.
@@ -297,6 +305,32 @@ class EventFinder:
         slip = [replace(moved, kind=EventKind.SLIP)] if is_slip else []
         self._free_since = max(self._free_since, leg.end)
         return [*stick, moved, *slip]
+
+    def _apart_from_slides(self, leg: Leg) -> Leg | None:
+        """Return the part of a turn that goes farthest beyond what its slide looks like, if any.
+
+        What slides, turns and slides on is one leg of turning where a slide looks like some of it.
+        """
+        moments = [self._moments[k] for k in sorted(self._moments)
+                   if leg.creeps_from <= k <= leg.creeps_to]  # fmt: skip
+        turns, rights, downs, _ = np.array([moment.way for moment in moments]).T
+        doubts = np.array([moment.doubt[0, 0] for moment in moments])
+        radii = np.maximum([moment.radius_px for moment in moments], 1.0)
+        turned = (turns - turns[:, None]) * np.sign(turns[-1] - turns[0])
+        slides = np.hypot(rights - rights[:, None], downs - downs[:, None])
+        own = STEPS[0] ** 2 * (doubts - doubts[:, None]).clip(min=0)
+        looks = np.degrees(LEAK_PER_NOISE * slides / radii)
+        noise = np.sqrt(np.degrees(FLOOR_PX / radii) ** 2 + own + looks**2)
+        times_s = np.array([moment.time_s for moment in moments])
+        is_most = (turned >= MOST_OF_LEG * turned[0, -1]) & (times_s - times_s[:, None] >= JERK_S)
+        beyond = np.where(is_most, turned - CHOSEN * SIGNIFICANT * noise, -1.0)
+        begin, end = np.unravel_index(np.argmax(beyond), beyond.shape)
+        if beyond[begin, end] < 0:
+            return None
+        points = [_point(Component.TURN, moment, self._leaked) for moment in moments]
+        part = timed(points[begin : end + 1])
+        is_whole = (part.creeps_from, part.creeps_to) == (leg.creeps_from, leg.creeps_to)
+        return None if is_whole else part
 
     @property
     def way_going_on(self) -> Floats:
@@ -385,7 +419,7 @@ def _is_significant(moved: Event, begin: Moment, end: Moment) -> bool:
     """Tell whether a leg is more than noise, and a turn more than what a slide looks like."""
     noise = noise_of(moved.component, end.doubt - begin.doubt, end.radius_px)
     if moved.component is Component.TURN:
-        leak = math.degrees(LEAK * moved.twist.slide_px / max(end.radius_px, 1.0))
-        noise = math.hypot(noise, SPAN_DEVIATIONS / SIGNIFICANT * leak)
+        leak = LEAK_PER_NOISE * moved.twist.slide_px / max(end.radius_px, 1.0)
+        noise = math.hypot(noise, math.degrees(leak))
     is_jerk = end.time_s - begin.time_s < JERK_S
     return abs(moved.amount.mean) >= SIGNIFICANT * noise * (2 if is_jerk else 1)

@@ -7,6 +7,7 @@ whether there is any, shows only afterwards.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,6 +72,25 @@ def _thinned(points: list[Point]) -> list[Point]:
     return [*points[:quarter], *points[quarter:-quarter:2], *points[-quarter:]]
 
 
+def timed(points: Sequence[Point]) -> Leg:
+    """Return a leg with its times by its way in between, not by how it creeps at its ends."""
+    first, last = points[0], points[-1]
+    way = last.at - first.at
+    done = np.array([float((past.at - first.at) @ way) for past in points])
+    done = np.maximum.accumulate(done / max(float(way @ way), 1e-12))
+    places = np.array([past.place for past in points], float)
+
+    def extrapolated(near: float, far: float) -> int:
+        # Places in the order of the way that is done, which only grows; the nearest one kept.
+        at_near, at_far = np.interp([near, far], done, places)
+        place = float(at_near - (at_far - at_near) * NEAR / (FAR - NEAR))
+        return int(np.argmin(np.abs(places - place)))
+
+    begin = min(extrapolated(NEAR, FAR), len(places) - 2)
+    end = max(extrapolated(1 - NEAR, 1 - FAR), begin + 1)
+    return Leg(int(places[begin]), int(places[end]), first.place, last.place)
+
+
 class Legs:
     """Finds the legs of one path, a point at a time.
 
@@ -131,28 +151,10 @@ class Legs:
 
     def _closed(self) -> Leg:
         """End the leg; what follows its farthest point may begin the next one."""
-        leg = self._timed()
+        leg = timed(self._leg)
         self._recent = [past for past in self._recent if past.place >= leg.creeps_to]
         self._leg = []
         return leg
-
-    def _timed(self) -> Leg:
-        """Return the leg with its times by its way in between, not by how it creeps at its ends."""
-        first, last = self._leg[0], self._leg[-1]
-        way = last.at - first.at
-        done = np.array([float((past.at - first.at) @ way) for past in self._leg])
-        done = np.maximum.accumulate(done / max(float(way @ way), 1e-12))
-        places = np.array([past.place for past in self._leg], float)
-
-        def extrapolated(near: float, far: float) -> int:
-            # Places in the order of the way that is done, which only grows; the nearest one kept.
-            at_near, at_far = np.interp([near, far], done, places)
-            place = float(at_near - (at_far - at_near) * NEAR / (FAR - NEAR))
-            return int(np.argmin(np.abs(places - place)))
-
-        begin = min(extrapolated(NEAR, FAR), len(places) - 2)
-        end = max(extrapolated(1 - NEAR, 1 - FAR), begin + 1)
-        return Leg(int(places[begin]), int(places[end]), first.place, last.place)
 
     def _heading(self) -> Floats:
         """Return the way the leg has gone lately, of length 1."""

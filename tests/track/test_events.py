@@ -42,6 +42,20 @@ def test_a_turn_is_event_if_neither_noise_nor_a_slide_explains_it(
     assert (EventKind.TURN in kinds(turn_deg, right_px, frames)) == is_event
 
 
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_turn_is_event_after_a_slide_some_of_which_is_read_of_it(sign):
+    finder, events, times = EventFinder(), [], [0, 10, 30, 33, 48, 80]
+    turns = sign * np.array([0.0, 0.0, 11.0, 11.0, 26.0, 26.0])
+    rights = [0.0, 0.0, -30.0, -30.0, -32.0, -32.0]
+    for k in range(80):
+        way = np.array([np.interp(k, times, turns), np.interp(k, times, rights), 0.0, 0.0])
+        doubt = k * 1e-3 * np.eye(4)
+        events += finder.push(Moment(k, k, k / 25, 1.0, True, way, doubt, RADIUS_PX / 2))
+    turned = [each for each in events + finder.finish() if each.kind is EventKind.TURN]
+    assert [each.amount.mean for each in turned] == pytest.approx([15.0 * sign], abs=1.0)
+    assert 32 <= turned[0].begin < turned[0].end <= 49
+
+
 def test_what_is_event_depends_on_the_noise_and_no_amount():
     variances = [1e-4, 1e-2, 1e-1, 1.0]
     are = [EventKind.SLIDE in kinds(0.0, 0.9, step_variance=one) for one in variances]
