@@ -56,6 +56,16 @@ def test_a_turn_is_event_after_a_slide_some_of_which_is_read_of_it(sign):
     assert 32 <= turned[0].begin < turned[0].end <= 49
 
 
+@pytest.mark.parametrize(("right_px", "is_event"), [(0.9, False), (4.0, True)])
+def test_a_slide_is_event_if_no_press_explains_it(right_px, is_event):
+    finder, events = EventFinder(), []
+    for k in range(FRAMES):
+        done = min(max(k - 20, 0) / 20, 1.0)
+        way = done * np.array([0.0, right_px, 0.0, 0.4])
+        events += finder.push(Moment(k, k, k / 25, 1.0, True, way, np.zeros((4, 4)), RADIUS_PX))
+    assert (EventKind.SLIDE in {each.kind for each in events + finder.finish()}) == is_event
+
+
 def test_what_is_event_depends_on_the_noise_and_no_amount():
     variances = [1e-4, 1e-2, 1e-1, 1.0]
     are = [EventKind.SLIDE in kinds(0.0, 0.9, step_variance=one) for one in variances]
