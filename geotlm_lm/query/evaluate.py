@@ -326,7 +326,9 @@ def _inside_of(expression: Expression, context: Context) -> Context:
         if expression.arguments[0] == _PRESENT and not context.worlds.is_timed:
             return context  # four frames are all of the present
         context.timed()
-        return replace(context, now=evaluate(expression.arguments[0], context))
+        now = evaluate(expression.arguments[0], context)
+        context.within(now, now)  # it lies in the recording
+        return replace(context, now=now)
     return context.plain() if word == "plain" else context.edited(word)
 
 

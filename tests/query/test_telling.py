@@ -308,6 +308,8 @@ UNTIMED = replace(RECORDING, rate_hz=None)
      [of_clip(certain()), of_clip(certain(), 1, replace(RECORDING, frames=9))], "100 frames."),
     ("within between t 20.0:s t 30.0:s amount turn", [there_and_back()],
      "That part holds no frames; name two times within the recording."),
+    ("at t 20.0:s touch", [there_and_back()],
+     "That part holds no frames; name two times within the recording."),
 ])  # fmt: skip
 def test_what_a_recording_lacks_is_told_as_such(line, clips, text):
     assert told(line, *clips) == text
