@@ -253,7 +253,7 @@ def _amount(context: Context, atom: str) -> Numbers:
     """Return the net way; of what comes back how far it got, or how far it went a way."""
     if not comes_back(context, atom):
         return _net(context, atom)
-    return (_path if atom in WAYS else _peak)(context, atom)
+    return (path_of if atom in WAYS else _peak)(context, atom)
 
 
 def comes_back(context: Context, atom: str) -> bool:
@@ -269,7 +269,7 @@ def comes_back(context: Context, atom: str) -> bool:
     return bool(far < BACK * at_most)
 
 
-def _path(context: Context, atom: str) -> Numbers:
+def path_of(context: Context, atom: str) -> Numbers:
     """Return how far it goes there and back; of a way all that goes it."""
     atom = _readable(context, atom)
     still = measured(context, atom, np.zeros((COUNT, 4)))
@@ -317,7 +317,7 @@ def _speed(context: Context, atom: str) -> Numbers:
     if context.now is not None:
         return _rate(context, atom, context.now)
     # Of no way in particular all that it goes counts: there and back is no standing still.
-    way = _path(context, atom) if atom in (*p.COMPONENTS, "x", "y") else _net(context, atom)
+    way = path_of(context, atom) if atom in (*p.COMPONENTS, "x", "y") else _net(context, atom)
     if not context.worlds.is_timed:
         seconds = context.evidence.recording.seconds
         if not seconds:
@@ -367,7 +367,7 @@ def _limit(context: Context, atom: str) -> Numbers:
 PRIMITIVES |= {
     "amount": _amount,
     "net": _net,
-    "path": _path,
+    "path": path_of,
     "peak": _peak,
     "speed": _speed,
     "top-speed": lambda context, atom: _fastest(context, atom)[1],

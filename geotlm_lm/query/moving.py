@@ -26,7 +26,7 @@ from geotlm_lm.query.evaluate import (
     Untold,
     middle,
 )
-from geotlm_lm.query.measures import going_on, holds, measured, net
+from geotlm_lm.query.measures import going_on, holds, measured, net, path_of
 from geotlm_lm.query.program import ATOM_OF, AXIS, UNITS, of
 from geotlm_lm.query.values import (
     Measure,
@@ -127,7 +127,7 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     if moves.mean() < 0.5:
         return None
     going = net if context.now is None else going_on
-    twist, whole_twist = (np.broadcast_to(each, (COUNT, 4)) for each in going(context, component))
+    twist = np.broadcast_to(going(context, component)[0], (COUNT, 4))
     # How far it goes each way on the mean; of two ways the rarer does not cancel the other.
     axes = {way: AXIS[ATOM_OF[way]] for way in WAYS[component]}
     along = {way: np.maximum(twist[moves] @ axis, 0).mean() for way, axis in axes.items()}
@@ -135,15 +135,14 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     goes = {each: holds(context, ATOM_OF[each]) for each in along}
     aslant = _aslant(goes, way) if component is Component.SLIDE else None
     right = moves & (goes[way] if aslant is None else goes[way] | goes[aslant])
-    path = float(np.median(path_px(component, twist, belief.radius_px)[moves]))
-    barely = path < (BARELY_MM if component is Component.PRESS else BARELY_PX)
+    far_px = float(np.median(path_px(component, twist, belief.radius_px)[moves]))
+    barely = far_px < (BARELY_MM if component is Component.PRESS else BARELY_PX)
     amount = whole = None
     if belief.readable.get(component, True):
         amount, _ = spread(measured(context, component.value, twist), moves, context)
-        there = measured(context, component.value, whole_twist)
-        back_and_forth, _ = spread(there, moves, context)
-        is_longer = back_and_forth.mean >= LONGER * amount.mean and context.worlds.is_timed
-        whole = back_and_forth if is_longer and component is not Component.PRESS else None
+        if context.now is None and context.worlds.is_timed and component is not Component.PRESS:
+            path, _ = spread(path_of(context, component.value), moves, context)
+            whole = path if path.mean >= LONGER * amount.mean else None
     sides = twist[moves] @ np.array([axes[way], axes[aslant or way]], float).T
     is_diagonal = aslant is not None and (sides[:, 1] >= DIAGONAL * sides[:, 0]).mean() >= SURELY
     return Movement(way, aslant, amount, float(right.mean()), barely,

@@ -1,6 +1,7 @@
 """Values in sentences and in the forms that are asked for."""
 
 import json
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -24,7 +25,7 @@ from tests.query.programs import (
     there_and_back,
 )
 from tests.query.strategies import turning
-from tests.track.tracks import happened, moving_track
+from tests.track.tracks import happened, moving_track, track_of_events
 
 FRAME = FrameSpec()
 MOST_WORDS = 30
@@ -296,6 +297,14 @@ def test_a_clip_is_told(line, belief, text):
 
 
 UNTIMED = replace(RECORDING, rate_hz=None)
+
+
+def test_a_slide_that_turns_a_corner_goes_as_far_as_both_its_legs():
+    legs = [happened("touch", 5, 5), happened("slide", 20, 40, down=30.0),
+            happened("slide", 60, 80, right=-30.0), happened("release", 110, 115)]  # fmt: skip
+    text = told("amount slide", of_track(track_of_events(legs)))
+    net_px, path_px = map(int, re.search(r"about (\d+) px.*; (\d+) px there", text).groups())
+    assert path_px == pytest.approx(net_px * 2**0.5, abs=2)
 
 
 @pytest.mark.parametrize(("line", "clips", "text"), [
