@@ -34,7 +34,7 @@ from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
 from .conversation import WATCHED, exchanges, fields_of, in_frame
 from .pictures import jpeg_address
-from .stage import limits_of, outline, timeline_of
+from .stage import LANES, limits_of, outline, timeline_of, unknown_of
 from .talking import Talking
 from .toolkit import COMPLAINT, Filled
 
@@ -149,10 +149,11 @@ class LiveStream:
         """
         track, units = self._tracker.so_far, Units(self.shape[:2], mm_per_px)
         since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
-        drawing = drawing_of(track, units)
+        drawing, limits = drawing_of(track, units), limits_of(track, mm_per_px)
         if not self.is_over:
             drawing = drawing.up_to(self._now_s, self._tracker.way)
         idle = self._tracker.idle
+        unknown = tuple(LANES) if idle is None else unknown_of(track)
         rows, columns = camera_size(*self.shape[:2])
         window = [max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)]
         if self.is_over:
@@ -169,7 +170,7 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(end, 3) for end in window],
-            "timeline": timeline_of(drawing, "s", limits_of(track, mm_per_px), since_s),
+            "timeline": timeline_of(drawing, "s", limits, since_s, unknown=unknown),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "condition": self._condition_text(),

@@ -189,11 +189,14 @@ function timelineLabel() {
 
 function showLayers() {
   const has = {
-    contact: data.outlines, arrows: data.motion || data.timeline, shear: data.shear,
+    contact: hasOutlines(), arrows: data.motion || data.timeline, shear: data.shear,
     difference: idle, depth: depths.length, truth: data.truth,
   };
   for (const button of layers) button.hidden = !has[button.dataset.layer];
 }
+
+// Without an idle frame what has changed is no contact: only arrows are drawn there.
+const hasOutlines = () => data.outlines && (!data.timeline || data.timeline.lanes[0].is_known);
 
 const isShown = (name) => part("layers").querySelector(`[data-layer=${name}]`).getAttribute("aria-pressed") === "true";
 
@@ -220,7 +223,7 @@ function draw() {
 function drawLayers(context, size) {
   const lines = [], outlines = data.outlines || [];
   const polygons = outlines[Math.min(frame, outlines.length - 1)] || [];
-  if (isShown("contact") && polygons.length) {
+  if (isShown("contact") && hasOutlines() && polygons.length) {
     drawContact(context, size, polygons);
     lines.push({ text: "where the gel has changed" });
   }

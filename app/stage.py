@@ -6,7 +6,7 @@ Gathers plain values, which `stage.js` and `timeline.js` draw; pictures are fetc
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -110,7 +110,8 @@ def stage_of(
         values["deepest_mm"] = round(deepest, 2)
     if encoded.track is not None:
         drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, mm_per_px)
-        values["timeline"] = timeline_of(drawing, values["unit"], limits)
+        unknown = unknown_of(encoded.track)
+        values["timeline"] = timeline_of(drawing, values["unit"], limits, unknown=unknown)
         values["outlines"] = _outlines(_sent(clip), encoded.track)
         return values
     moved = motion_of(shown, FrameSpec(mm_per_px=mm_per_px))
@@ -290,12 +291,17 @@ def limits_of(track: Any, mm_per_px: float | None) -> dict[str, float]:
 
 
 def timeline_of(
-    drawing: Drawing, unit: str, limits: dict[str, float], since_s: float = -np.inf
+    drawing: Drawing,
+    unit: str,
+    limits: dict[str, float],
+    since_s: float = -np.inf,
+    *,
+    unknown: Collection[str] = (),
 ) -> dict[str, Any]:
     """Return a row for each kind of event, with its curves and the spans that hold nine tenths.
 
     The axis is in "s", or "frame" where the times are not known. The way is that since the track's
-    own begin, whatever `since_s`.
+    own begin, whatever `since_s`. Rows named in `unknown` have no curve, and say so.
     """
     places = np.flatnonzero(drawing.times_s >= since_s)
     if len(places) > MOST_POINTS:
@@ -307,10 +313,13 @@ def timeline_of(
         {
             "name": lane,
             "unit": of_unit[lane],
+            "is_known": lane not in unknown,
             "limit": limits.get(lane),
             "events": [_event(band, unit) for band in bands if band.event.kind in kinds],
             "curves": [
-                _curve(curve, places) for curve in drawing.curves if curve.panel == curves.get(lane)
+                _curve(curve, places)
+                for curve in drawing.curves
+                if curve.panel == curves.get(lane) and lane not in unknown
             ],
         }
         for lane, kinds in LANES.items()
@@ -321,6 +330,11 @@ def timeline_of(
         # The way in shares of the picture, drawn as long as it is.
         "way": _rounded(drawing.arrows[places]),
     }
+
+
+def unknown_of(track: Any) -> tuple[str, ...]:
+    """Return the names of the rows that need an idle frame, if the track has none."""
+    return () if track.is_contact_known else ("contact", "held")
 
 
 class GrowingTimeline:
@@ -345,7 +359,8 @@ class GrowingTimeline:
         track = tracker.so_far
         if len(track):
             drawing, limits = drawing_of(track, self._units), limits_of(track, None)
-            self.values = {"timeline": timeline_of(drawing, self._unit, limits)}
+            timeline = timeline_of(drawing, self._unit, limits, unknown=unknown_of(track))
+            self.values = {"timeline": timeline}
         self._drawn_s = time.monotonic()
 
 

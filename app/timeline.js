@@ -120,9 +120,10 @@ class Timeline {
       this.text(2, top + 12, lane.name, "name");
       const height = CURVE[lane.name], far = this.width - RIGHT;
       this.root.append(svg("rect", { class: "ground", x: LEFT, y: top, width: far - LEFT, height: STRIP + height }));
-      if (height) this.drawCurves(lane, top + STRIP, height);
+      if (lane.curves.length) this.drawCurves(lane, top + STRIP, height);
       for (const event of lane.events) this.drawEvent(event, top);
-      if (!lane.events.length) this.text(LEFT + 6, top + 12, this.data.live ? "nothing yet" : "nothing", "quiet");
+      const none = !lane.is_known ? "not known" : this.data.live ? "nothing yet" : "nothing";
+      if (!lane.events.length) this.text(LEFT + 6, top + 12, none, "quiet");
       top += STRIP + height + GAP;
     }
     for (const mark of this.data.marks || []) {

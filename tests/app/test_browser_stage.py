@@ -3,6 +3,7 @@
 import base64
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
 from tests.app.browser import CHAT, COMPLAINT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+from tests.app.fakes import FakeAnswerer  # noqa: E402
 from tests.track.recordings import there_and_back  # noqa: E402
 
 pytestmark = pytest.mark.slow
@@ -96,6 +98,27 @@ def test_a_click_on_the_timeline_shows_that_moment(browser, touch_path):
     assert "contact 100 %" in told
     chips = browser.run("document.querySelector('.chips').innerText")
     assert "What happens first and what then?" in chips
+
+
+def test_contact_without_an_idle_frame_is_neither_drawn_nor_told(
+    browser, fake, touch_path, monkeypatch
+):
+    def encode(clip, **named):
+        encoded = FakeAnswerer.encode(fake, clip, **named)
+        events = tuple(event for event in encoded.track.events if not event.is_of_contact)
+        track = replace(encoded.track, events=events, is_contact_known=False)
+        return replace(encoded, track=track)
+
+    monkeypatch.setattr(fake, "encode", encode)
+    browser.open_recording(touch_path)
+    line = box(browser, ".stage-time svg")
+    click_at(browser, line["left"] + line["width"] * 0.8, line["top"] + 60)
+    tip = browser.run("document.querySelector('.stage-tip').innerText")
+    assert "turned 0°" in tip
+    assert "contact" not in tip
+    assert browser.run("document.querySelector('.stage-time').textContent").count("not known") == 2
+    assert browser.run("document.querySelector('[data-layer=contact]').hidden")
+    assert not browser.run("Boolean(document.querySelector('.stage-time .contact-0'))")
 
 
 def test_a_link_opens_its_example_and_asks_its_question(empty, address):

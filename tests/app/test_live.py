@@ -85,6 +85,7 @@ def test_a_recording_without_an_untouched_gel_says_so_at_its_end(frames, tmp_pat
     told = stages(watch_recording(FakeAnswerer(), str(tmp_path / "clip.npz"), LiveSession()))
     assert [lane["events"] for lane in told[-1]["timeline"]["lanes"]] == [[]] * 4
     assert "No untouched gel was seen" in told[-1]["notes"][0]
+    assert not any(lane["curves"] or lane["is_known"] for lane in told[-1]["timeline"]["lanes"])
 
 
 def test_a_camera_is_followed_frame_by_frame_and_each_session_by_itself(frames):

@@ -2,6 +2,7 @@
 
 import json
 import struct
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -90,6 +91,14 @@ def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):
     assert travel["curves"][0]["mean"] == pytest.approx(right, abs=1e-3)
     assert contact["curves"][0]["mean"] == pytest.approx(track.contact, abs=1e-3)
     assert held["curves"] == []
+
+
+def test_contact_without_an_idle_frame_is_not_known_and_has_no_curve(tracked):
+    track = replace(tracked.encoded.track, is_contact_known=False)
+    shown = replace(tracked, encoded=replace(tracked.encoded, track=track))
+    lanes = stage.stage_of(shown, "cap")["timeline"]["lanes"]
+    assert [lane["is_known"] for lane in lanes] == [False, True, True, False]
+    assert [bool(lane["curves"]) for lane in lanes] == [False, True, True, False]
 
 
 def test_a_row_knows_what_is_too_small_to_detect(tracked):
