@@ -123,9 +123,11 @@ async function loadPictures(value, turn, isLike) {
   return true;
 }
 
-// On a narrow page the picture of what was just opened may be out of sight.
-function reveal() {
-  element.querySelector(".stage-screen").scrollIntoView({ block: "nearest" });
+// On a narrow page the picture of what was just opened may be out of sight. The page is scrolled by
+// hand: after `scrollIntoView` the keyboard would go on from there.
+function reveal(below = 0) {
+  const { top, bottom } = element.querySelector(".stage-screen").getBoundingClientRect();
+  window.scrollBy(0, top < 0 ? top : Math.min(Math.max(bottom + below - window.innerHeight, 0), top));
 }
 
 // While it is live the newest picture is shown, unless another one was looked for.
