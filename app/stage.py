@@ -263,7 +263,7 @@ def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
     span = {"mean": measured.mean, "low": low, "high": high}
     far = f"{measured.value:g}{unit}"
     text = f"{far} {way}" if component.value == "slide" else f"{way} {far}"
-    text = f"{text}, {low:g} to {high:g}"
+    text = f"{text}, {low:g} to {high:g}{unit}"
     return row | {"text": text, "sure": sure} | {name: float(span[name]) for name in span}
 
 

@@ -1,6 +1,7 @@
 """What the stage is given: pictures small enough, curves and events of a track, a clip's step."""
 
 import json
+import re
 import struct
 from dataclasses import replace
 
@@ -144,7 +145,7 @@ def test_a_short_clips_motion_is_one_step_with_its_amount():
     step = stage.stage_of(shown, "cap")["step"]
     rows = {row["name"]: row for row in step["rows"]}
     assert step["text"] == rows["slide"]["text"]
-    assert " px right, " in rows["slide"]["text"]
+    assert re.fullmatch(r"[0-9.]+ px right, [0-9.]+ to [0-9.]+ px", rows["slide"]["text"])
     assert rows["slide"]["low"] < rows["slide"]["mean"] < rows["slide"]["high"]
     assert rows["turn"] == {"name": "turn", "moves": False, "text": "none"}
     in_mm = stage.stage_of(shown, "cap", FrameSpec(mm_per_px=0.1))["step"]["rows"][1]
