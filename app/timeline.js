@@ -290,10 +290,13 @@ class Timeline {
 
 const GLYPHS = { counterclockwise: "↺", clockwise: "↻", left: "←", right: "→", up: "↑", down: "↓" };
 
+const DIAGONALS = { "↑→": "↗", "→↓": "↘", "←↓": "↙", "←↑": "↖" };
+
 // An event's way as a sign and how far it goes, where there is no room for the words.
 function inShort(text) {
-  const way = text.split(" ").find((word) => word in GLYPHS);
-  return way ? `${GLYPHS[way]} ${text.match(/[0-9.]+°?/)?.[0] || ""}` : "";
+  const [main] = text.split(" and a little ");
+  const ways = main.split(" ").flatMap((word) => GLYPHS[word] || []).sort().join("");
+  return ways && `${DIAGONALS[ways] || ways} ${text.match(/[0-9.]+°?/)?.[0] || ""}`;
 }
 
 function nearest(values, wanted) {

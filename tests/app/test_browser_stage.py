@@ -11,6 +11,7 @@ import pytest
 
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
+from app import stage  # noqa: E402
 from tests.app.browser import CHAT, COMPLAINT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
 from tests.app.fakes import FakeAnswerer  # noqa: E402
 from tests.track.recordings import there_and_back  # noqa: E402
@@ -31,6 +32,11 @@ PARTS = (".stage-screen", ".stage-time", ".talk-list", ".chips", ".question")
 def box(browser, selector):
     script = f"document.querySelector({selector!r}).getBoundingClientRect().toJSON()"
     return browser.run(script)
+
+
+def source(name):
+    """Return a script of the page as a block, so that it can be run again."""
+    return f"{{{(Path(stage.__file__).with_name(name)).read_text()}}}"
 
 
 def click_at(browser, x, y):
@@ -125,6 +131,22 @@ def test_contact_without_an_idle_frame_is_neither_drawn_nor_told(
     assert browser.run("document.querySelector('.stage-time').textContent").count("not known") == 2
     assert browser.run("document.querySelector('[data-layer=contact]').hidden")
     assert not browser.run("Boolean(document.querySelector('.stage-time .contact-0'))")
+
+
+@pytest.mark.parametrize(
+    ("text", "short"),
+    [
+        ("27 px right and down", "↘ 27"),
+        ("3.1 px up and left", "↖ 3.1"),
+        ("2 px up and right", "↗ 2"),
+        ("2 px down and left", "↙ 2"),
+        ("2.2 px down and a little right", "↓ 2.2"),
+        ("counterclockwise 32°", "↺ 32°"),
+        ("held", ""),
+    ],
+)
+def test_a_way_is_short_as_one_arrow(empty, text, short):
+    assert empty.run(f"{source('timeline.js')}; inShort({text!r})") == short
 
 
 def test_a_link_opens_its_example_and_asks_its_question(empty, address):
