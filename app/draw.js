@@ -5,6 +5,7 @@ const DIFFERENCE_GAIN = 4; // grey levels drawn per grey level of change, as in 
 const LOOK_AHEAD_S = 0.25; // arrows of a recording reach to where the contact is then
 const AT_ONCE = 12; // pictures that are begun to be read without a pause
 const ARROWS_ACROSS = 9; // arrows over the longer side of a contact
+const LEAST_ARROW = 3; // pixels; a shorter one is left out
 
 function loadImage(address) {
   return new Promise((resolve) => {
@@ -72,9 +73,7 @@ function drawContact(context, size, polygons) {
   }
 }
 
-function drawArrow(context, from, to, colour, thickness) {
-  const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
-  if (length < 3) return;
+function drawArrow(context, from, to, length, colour, thickness) {
   const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
   const head = Math.min(Math.max(0.35 * length, 4), 12);
   context.strokeStyle = colour;
@@ -90,12 +89,18 @@ function drawArrow(context, from, to, colour, thickness) {
   context.stroke();
 }
 
+// Tells whether any arrow was long enough to be drawn.
 function drawField(context, size, ends, colour) {
-  for (const pair of ends) {
+  let isDrawn = false;
+  for (const pair of ends || []) {
     const [tail, tip] = pair.map((point) => [point[0] * size[0], point[1] * size[1]]);
-    drawArrow(context, tail, tip, "rgba(0,0,0,0.55)", 4);
-    drawArrow(context, tail, tip, colour, 2);
+    const length = Math.hypot(tip[0] - tail[0], tip[1] - tail[1]);
+    if (length < LEAST_ARROW) continue;
+    drawArrow(context, tail, tip, length, "rgba(0,0,0,0.55)", 4);
+    drawArrow(context, tail, tip, length, colour, 2);
+    isDrawn = true;
   }
+  return isDrawn;
 }
 
 // Where points of the contact go: turned about its middle and carried along, shares of the picture.

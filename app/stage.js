@@ -232,9 +232,7 @@ function drawLayers(context, size) {
   if (isShown("depth") && depths[frame]) lines.push({ text: `bright: ${data.deepest_mm} mm deep` });
   if (isShown("difference") && idle) lines.push({ text: "change against the idle gel, four times" });
   const field = (ends, colour, text) => {
-    if (!ends || !ends.length) return;
-    drawField(context, size, ends, colour);
-    lines.push({ colour, text });
+    if (drawField(context, size, ends, colour)) lines.push({ colour, text });
   };
   if (isShown("shear")) field(data.shear, "#ff9df0", "learned shear change, no unit");
   if (isShown("truth")) field(data.truth, "#35e0ff", "true motion, to scale");

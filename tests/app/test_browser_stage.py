@@ -149,6 +149,15 @@ def test_a_way_is_short_as_one_arrow(empty, text, short):
     assert empty.run(f"{source('timeline.js')}; inShort({text!r})") == short
 
 
+def test_arrows_too_short_to_be_drawn_are_told_from_those_that_are(empty):
+    field = (
+        f"{source('draw.js')}; drawField(document.createElement('canvas').getContext('2d'), "
+        "[100, 100], [[[0.5, 0.5], [0.51, 0.5]], [[0.1, 0.1], [TIP, 0.1]]], 'red')"
+    )
+    assert empty.run(field.replace("TIP", "0.2"))
+    assert not empty.run(field.replace("TIP", "0.12"))
+
+
 def test_a_link_opens_its_example_and_asks_its_question(empty, address):
     empty.open(f"{address}?example=coin&q=Which%20way%20does%20it%20go%3F")
     assert empty.run(f"{NAME}.innerText") == "coin"
