@@ -102,7 +102,9 @@ class Timeline {
     this.root = svg("svg", { width: this.width, class: "timeline" });
     const clip = svg("clipPath", { id: this.id });
     clip.append(svg("rect", { x: LEFT, y: 0, width: Math.max(this.width - LEFT - RIGHT, 1), height: 400 }));
-    this.root.append(clip);
+    const hatch = svg("pattern", { id: `${this.id}-hatch`, width: 5, height: 5, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" });
+    hatch.append(svg("line", { class: "hatch", y2: 5 }));
+    this.root.append(clip, hatch);
     this.box.append(this.root);
     const top = this.data.timeline ? this.drawTrack() : this.drawStep();
     this.drawAxis(top);
@@ -161,7 +163,7 @@ class Timeline {
     const far = this.width - RIGHT;
     if (limit) {
       const tall = y(-limit) - y(limit);
-      this.root.append(svg("rect", { class: "limit", x: LEFT, y: y(limit), width: far - LEFT, height: tall }));
+      this.root.append(svg("rect", { fill: `url(#${this.id}-hatch)`, x: LEFT, y: y(limit), width: far - LEFT, height: tall }));
     }
     this.root.append(svg("line", { class: "zero", x1: LEFT, x2: far, y1: y(0), y2: y(0) }));
     lane.curves.forEach((curve, k) => this.drawCurve(curve, `${lane.name}-${k}`, y));
