@@ -63,43 +63,33 @@ function pathOf(polygons, size) {
   return path;
 }
 
-function drawContact(context, size, polygons) {
-  const path = pathOf(polygons, size);
-  context.lineJoin = "round";
-  for (const [width, colour] of [[4, "rgba(0,0,0,0.45)"], [1.6, "#ffffff"]]) {
-    context.lineWidth = width;
-    context.strokeStyle = colour;
+// A dark edge lets it be seen on any picture.
+function strokeOver(context, path, width, colour) {
+  context.lineCap = context.lineJoin = "round";
+  for (const [wide, shade] of [[width + 2.2, "rgba(0,0,0,0.5)"], [width, colour]]) {
+    context.lineWidth = wide;
+    context.strokeStyle = shade;
     context.stroke(path);
   }
 }
 
-function drawArrow(context, from, to, length, colour, thickness) {
-  const angle = Math.atan2(to[1] - from[1], to[0] - from[0]);
-  const head = Math.min(Math.max(0.35 * length, 4), 12);
-  context.strokeStyle = colour;
-  context.lineWidth = thickness;
-  context.lineCap = "round";
-  context.beginPath();
-  context.moveTo(...from);
-  context.lineTo(...to);
-  for (const side of [-0.5, 0.5]) {
-    context.moveTo(...to);
-    context.lineTo(to[0] - head * Math.cos(angle + side), to[1] - head * Math.sin(angle + side));
-  }
-  context.stroke();
-}
-
 // Tells whether any arrow was long enough to be drawn.
 function drawField(context, size, ends, colour) {
+  const path = new Path2D();
   let isDrawn = false;
   for (const pair of ends || []) {
     const [tail, tip] = pair.map((point) => [point[0] * size[0], point[1] * size[1]]);
-    const length = Math.hypot(tip[0] - tail[0], tip[1] - tail[1]);
+    const across = tip[0] - tail[0], down = tip[1] - tail[1], length = Math.hypot(across, down);
     if (length < LEAST_ARROW) continue;
-    drawArrow(context, tail, tip, length, "rgba(0,0,0,0.55)", 4);
-    drawArrow(context, tail, tip, length, colour, 2);
     isDrawn = true;
+    const angle = Math.atan2(down, across), head = Math.min(Math.max(0.35 * length, 4), 12);
+    path.moveTo(...tail);
+    for (const side of [-0.5, 0.5]) {
+      path.lineTo(...tip);
+      path.lineTo(tip[0] - head * Math.cos(angle + side), tip[1] - head * Math.sin(angle + side));
+    }
   }
+  strokeOver(context, path, 2, colour);
   return isDrawn;
 }
 
@@ -126,6 +116,8 @@ function rigidArrows(size, polygons, turn, travel) {
 // What lies over the picture, in its lower left corner.
 function drawLegend(context, size, lines) {
   context.font = "12px system-ui, sans-serif";
+  const widest = Math.max(...lines.map((line) => context.measureText(line.text).width));
+  if (widest > size[0] - 32) context.font = `${(12 * (size[0] - 32)) / widest}px system-ui, sans-serif`;
   context.textBaseline = "middle";
   lines.forEach((line, k) => {
     const middle = size[1] - 14 - 20 * (lines.length - 1 - k);

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from geotlm_lm import Answerer
 
 INVITES = (
-    "Start the camera below, or drop a recording here. Leave the gel untouched for the first half "
+    "Start the camera, or drop a recording here. Leave the gel untouched for the first half "
     "second: that is when its idle image is learnt."
 )
 

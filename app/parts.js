@@ -17,6 +17,11 @@ function button(text, act, name) {
   return one;
 }
 
+function showNowAndLater(show) {
+  watch("value", show);
+  show();
+}
+
 function table(heads, rows) {
   const line = (cells, kind) => made("tr", "", "", ...cells.map((cell) => made(kind, "", String(cell))));
   return made("table", "", "", line(heads, "th"), ...rows.map((row) => line(row, "td")));
@@ -81,8 +86,7 @@ const parts = {
     document.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && drawer().classList.contains("open")) details.click();
     });
-    watch("value", show);
-    show();
+    showNowAndLater(show);
   },
 
   drawer() {
@@ -92,8 +96,7 @@ const parts = {
   chips() {
     const show = () => element.firstElementChild.replaceChildren(
       ...(props.value || []).map((text) => button(text, () => trigger("click", { text }))));
-    watch("value", show);
-    show();
+    showNowAndLater(show);
   },
 
   examples() {
@@ -127,8 +130,7 @@ const parts = {
       }
       element.firstElementChild.replaceChildren(...inside);
     };
-    watch("value", show);
-    show();
+    showNowAndLater(show);
   },
 
   code() {
@@ -138,8 +140,7 @@ const parts = {
       copy.hidden = !props.value;
     };
     copy.onclick = () => navigator.clipboard.writeText(props.value);
-    watch("value", show);
-    show();
+    showNowAndLater(show);
   },
 
   saving() {
@@ -162,7 +163,6 @@ const parts = {
       Object.assign(document.createElement("a"), { href: address, download: value.name }).click();
       status.textContent = `${value.name} saved.`;
     };
-    watch("value", show);
-    show();
+    showNowAndLater(show);
   },
 };

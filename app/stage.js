@@ -52,6 +52,8 @@ const picture = part("picture"), scrub = part("scrub"), playButton = part("play"
 const timeline = new Timeline(part("time"));
 const wantsRest = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
 const layers = [...part("layers").children];
+const isSecond = Boolean(element.querySelector("[data-event=collapse]"));
+const GALLERY_HIGH = 120; // pixels; what is compared is chosen there
 let data = null, images = [], idle = null, depths = [];
 let frame = 0, isPlaying = false, isFollowing = false, isResting = false, began = 0, beganAt = 0;
 let shows = 0, stale = null;
@@ -81,6 +83,7 @@ function showNothing() {
   timeline.place = undefined;
   timeline.show(null);
   draw();
+  if (isSecond && element.querySelector("[data-open]")) reveal(GALLERY_HIGH);
 }
 
 async function showRecording(value, turn) {
@@ -93,7 +96,7 @@ async function showRecording(value, turn) {
   scrub.min = 0;
   timeline.show(data);
   if (!isSame) {
-    if (before || element.querySelector(".stage-actions [data-event=collapse]")) reveal();
+    if (before || isSecond) reveal();
     loading = loadPictures(value, turn, isLike);
   }
   showLayers();
@@ -226,7 +229,7 @@ function drawLayers(context, size) {
   const lines = [], outlines = data.outlines || [];
   const polygons = outlines[Math.min(frame, outlines.length - 1)] || [];
   if (isShown("contact") && hasOutlines() && polygons.length) {
-    drawContact(context, size, polygons);
+    strokeOver(context, pathOf(polygons, size), 1.6, "#ffffff");
     lines.push({ text: "where the gel has changed" });
   }
   if (isShown("depth") && depths[frame]) lines.push({ text: `bright: ${data.deepest_mm} mm deep` });
@@ -403,9 +406,7 @@ time.addEventListener("pointermove", (event) => {
   tip.style.left = `${left}px`;
   tip.style.top = `${time.getBoundingClientRect().top - box.top - tip.offsetHeight - 4}px`;
 });
-for (const ending of ["pointercancel", "pointerleave"]) {
-  time.addEventListener(ending, () => { tip.hidden = true; });
-}
+for (const ending of ["pointercancel", "pointerleave"]) time.addEventListener(ending, () => { tip.hidden = true; });
 // With a key held the wheel zooms; once a part is shown it moves that part along.
 time.addEventListener("wheel", (event) => {
   if (event.ctrlKey || event.metaKey) timeline.zoom(event.deltaY < 0 ? 1.25 : 0.8, toPlace(event));
@@ -415,11 +416,7 @@ time.addEventListener("wheel", (event) => {
   } else return;
   event.preventDefault();
 }, { passive: false });
-for (const action of element.querySelectorAll("[data-event]"))
-  action.onclick = () => {
-    trigger(action.dataset.event);
-    if (action.dataset.event === "expand") element.closest(".tabitem").querySelector(".gallery").scrollIntoView({ block: "nearest" });
-  };
+for (const action of element.querySelectorAll("[data-event]")) action.onclick = () => trigger(action.dataset.event);
 // What is dropped on the picture goes where its tab takes recordings.
 const screen = element.querySelector(".stage-screen");
 screen.addEventListener("dragover", (event) => event.preventDefault());

@@ -161,10 +161,8 @@ class Timeline {
     if (high - low < 1) [low, high] = [low - 0.5, high + 0.5];
     const y = (value) => top + height - 2 - ((value - low) / (high - low)) * (height - 4);
     const far = this.width - RIGHT;
-    if (limit) {
-      const tall = y(-limit) - y(limit);
-      this.root.append(svg("rect", { fill: `url(#${this.id}-hatch)`, x: LEFT, y: y(limit), width: far - LEFT, height: tall }));
-    }
+    const undetected = { x: LEFT, y: y(limit), width: far - LEFT, height: y(-limit) - y(limit) };
+    if (limit) this.root.append(svg("rect", { fill: `url(#${this.id}-hatch)`, ...undetected }));
     this.root.append(svg("line", { class: "zero", x1: LEFT, x2: far, y1: y(0), y2: y(0) }));
     lane.curves.forEach((curve, k) => this.drawCurve(curve, `${lane.name}-${k}`, y));
     if (lane.name === "contact") return;

@@ -56,7 +56,7 @@ def test_an_example_plays_on_load_and_all_is_seen_without_scrolling(browser):
 
 
 @pytest.mark.parametrize("empty", [(500, 844)], indirect=True)
-def test_on_a_phone_the_picture_comes_first_and_the_question_within_a_screen_and_a_half(browser):
+def test_on_a_phone_picture_timeline_answer_and_question_fit_the_first_screen(browser):
     metrics = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
     browser.call("Emulation.setDeviceMetricsOverride", **metrics)
     browser.wait_for("document.querySelector('.stage-screen').clientWidth < 390")
@@ -65,10 +65,20 @@ def test_on_a_phone_the_picture_comes_first_and_the_question_within_a_screen_and
     ]
     tops = [one["top"] for one in places]
     assert tops == sorted(tops)
-    assert places[-1]["bottom"] < 1.5 * 844
+    assert places[-1]["bottom"] <= 844
+    assert places[-1]["bottom"] < box(browser, ".gallery")["top"]
     last = "[...document.querySelectorAll('.ask-line button')].find(e => e.innerText == 'Ask')"
     assert browser.run(f"{last}.getBoundingClientRect().right") <= 390
     assert browser.run("document.documentElement.scrollWidth") <= 390
+    browser.click("Compare", ".stage-actions button")
+    browser.wait_for(f"{TEXT}.includes('Choose a second recording')")
+    for part in (".stage-second .stage-empty", ".gallery .example"):
+        assert 0 < box(browser, part)["top"] < box(browser, part)["bottom"] <= 844, part
+    browser.click("Live", "button[role=tab]")
+    browser.wait_for("Boolean(document.querySelector('.live-camera').offsetParent)")
+    camera = box(browser, ".live-camera")
+    assert 0 <= camera["top"] - box(browser, ".tab-wrapper")["bottom"] < 40
+    assert box(browser, ".live .stage-screen")["top"] - camera["bottom"] < 60
 
 
 def test_the_picture_is_played_and_scrubbed_by_keys(browser):
@@ -156,6 +166,16 @@ def test_arrows_too_short_to_be_drawn_are_told_from_those_that_are(empty):
     )
     assert empty.run(field.replace("TIP", "0.2"))
     assert not empty.run(field.replace("TIP", "0.12"))
+
+
+def test_what_lies_over_a_small_picture_is_written_as_small_as_it_fits(empty):
+    written = (
+        f"{source('draw.js')}; var context = document.createElement('canvas').getContext('2d'); "
+        "drawLegend(context, [WIDTH, 90], [{text: 'motion to scale'}]); "
+        "context.measureText('motion to scale').width"
+    )
+    assert empty.run(written.replace("WIDTH", "90")) <= 90 - 32 + 1
+    assert empty.run(written.replace("WIDTH", "300")) > 90
 
 
 def test_a_link_opens_its_example_and_asks_its_question(empty, address):
