@@ -271,22 +271,16 @@ def wait_for(
 ) -> Iterator[Filled]:
     """Mark the moment when a condition in words first holds; no words wait for nothing.
 
-    Nor does one that is refused: the one before was not meant any more.
+    One that is refused leaves the condition before it as it is.
     """
-    frame, refused = FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None), None
-    live.condition = None
-    try:
-        live.condition = answerer.condition(text, frame=frame) if text.strip() else None
-    except GeoTLMError as error:
-        refused = error
+    frame = FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
+    live.condition = answerer.condition(text, frame=frame) if text.strip() else None
     if live.stream is None:
         words = live.condition and f"Will wait for this: {live.condition.restated}."
         yield {"stage": {"condition": words or ""}}
     else:
         live.stream.wait_for(live.condition)
         yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
-    if refused is not None:
-        raise refused
 
 
 def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:

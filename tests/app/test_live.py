@@ -227,9 +227,11 @@ def test_the_moment_from_which_on_a_condition_holds_is_marked(tmp_path):
     after = waiting(watched, text)
     assert 1.0 < after["marks"][0] <= moment
     assert after["condition"].startswith("From 1.")
+    kept = watched.condition
     with pytest.raises(GeoTLMError, match="expected something that holds or does not"):
         waiting(watched, "Which way does it go?")
-    assert watched.condition is None  # nor is the one before waited for any more
+    assert watched.condition is kept  # the one before is still waited for
+    assert watched.stream.stage()["condition"] == after["condition"]
 
 
 def test_what_happens_now_is_told_of_the_last_moments(tmp_path, clock):
