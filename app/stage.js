@@ -3,7 +3,7 @@
 
 const MOST_PICTURES = 320; // of more every second one is let go of
 const STALE_MS = 3000; // without a picture it is not live any more
-const SILENT = "No picture has come for 3 s: the camera was stopped, or has stalled.";
+const SILENT = "No picture has come for 3 s: the camera has stalled.";
 
 class Received {
   begin(stream) {
@@ -57,6 +57,7 @@ const GALLERY_HIGH = 120; // pixels; what is compared is chosen there
 let data = null, images = [], idle = null, depths = [];
 let frame = 0, isPlaying = false, isFollowing = false, isResting = false, began = 0, beganAt = 0;
 let shows = 0, stale = null;
+let cameraClicked = -Infinity; // when its own buttons were used
 let loading = null; // whether the pictures are there, once that is known
 const received = new Received();
 
@@ -161,7 +162,8 @@ async function showStream(value) {
 
 function endLive(stream) {
   if (!data || data.stream !== stream) return;
-  data = { ...data, live: false, notes: [SILENT, ...data.notes] };
+  const isStopped = performance.now() - cameraClicked < 2 * STALE_MS; // by hand
+  data = { ...data, live: false, notes: isStopped ? data.notes : [SILENT, ...data.notes] };
   title();
   shownAsPlaying();
 }
@@ -211,7 +213,7 @@ function draw() {
   picture.width = Math.round(Math.max(box.width, 1) * ratio);
   picture.height = Math.round(Math.max(box.height, 1) * ratio);
   const context = picture.getContext("2d");
-  showResult();
+  part("result").textContent = data ? resultText() : "";
   const image = images[frame];
   if (!data || !image || !image.naturalWidth) return;
   // As large as it fits, in the shape of the camera.
@@ -261,13 +263,6 @@ function motionNow() {
   };
 }
 
-// The turn or slide that goes on, else the last one: in the words of the timeline.
-function showResult() {
-  const text = data ? resultText() : "";
-  part("result").hidden = !text;
-  part("result").textContent = text;
-}
-
 const moves = () =>
   data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
 
@@ -280,6 +275,7 @@ function rest() {
   go(farthest ? nearest(data.x, (farthest.begin + farthest.end) / 2) : data.count - 1);
 }
 
+// The turn or slide that goes on, else the last one: in the words of the timeline.
 function resultText() {
   if (data.step) return data.step.text;
   if (data.pending) return data.progress || "reading the motion…";
@@ -372,6 +368,9 @@ element.addEventListener("keydown", (event) => {
   else return;
   event.preventDefault();
 });
+document.addEventListener("click", (event) => {
+  if (event.target.closest(".live-camera")) cameraClicked = performance.now();
+}, true);
 document.addEventListener("seek", (event) => {
   if (data && data.timeline && element.offsetParent) seek(nearest(data.x, event.detail));
 });

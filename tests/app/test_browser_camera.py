@@ -89,6 +89,13 @@ def test_a_camera_that_stalls_is_told(browser):
     assert browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
 
 
+def test_a_camera_that_is_stopped_by_hand_is_not_called_stalled(browser):
+    start_camera(browser)
+    browser.click("Stop", ".live-camera button")
+    browser.wait_for(f"{STAGE}.querySelector('[data-part=live]').hidden", seconds=30)
+    assert "No picture has come" not in browser.run(TEXT)
+
+
 def files_in(page):
     folder = Path(page.GRADIO_CACHE)
     return [Path(home) / name for home, _, names in os.walk(folder) for name in names]
