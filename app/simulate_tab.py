@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Seen
+from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Motion, Seen
 
 from . import stage
 from .clips import LoadedClip, perceive
@@ -60,27 +61,25 @@ def build(answerer: Answerer, tab: Any) -> None:
         with gr.Column(scale=3, min_width=320):
             parts["stage"] = stage.build(INVITES)
 
-    def run(name: str, *given: float | None) -> Iterator[Filled]:
-        *numbers, seed = given
-        try:
-            touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
-            for preset in PRESETS:
-                yield _filled(simulate(answerer, touch, preset), name.replace("_", " "))
-        except Exception:
-            yield {"stage": {}}  # of the touch before
-            raise
-
     shown = [parts["stage"], parts[COMPLAINT]]
     newest = {**QUIET, **MODEL, "trigger_mode": "always_last"}
     for trigger in (tab.select, *(slider.input for slider in sliders)):
-        trigger(filling(parts, run), sliders, shown, **newest)
+        trigger(filling(parts, partial(simulated, answerer)), sliders, shown, **newest)
+
+
+def simulated(answerer: Answerer, name: str, *given: float | None) -> Iterator[Filled]:
+    """Yield the stage of a touch by its sliders; one that cannot be leaves the former there."""
+    *numbers, seed = given
+    touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
+    for preset in PRESETS:
+        yield _filled(simulate(answerer, touch, preset), name.replace("_", " "))
 
 
 def _filled(made: Simulated, name: str) -> Filled:
     values = stage.stage_of(made.shown, name, truth=made.truth)
     if values["step"]["rows"]:
         values["step"]["rows"] = _rows(made)
-    return {"stage": values | {"notes": [sentence_of(made.facts)]}}
+    return {"stage": values | {"notes": [f"{made.facts['answer']}  ({made.verdict})"]}}
 
 
 def _rows(made: Simulated) -> list[dict[str, Any]]:
@@ -95,13 +94,6 @@ def _rows(made: Simulated) -> list[dict[str, Any]]:
         span = {"mean": read, "low": read - reach, "high": read + reach, "true": true}
         rows.append({"name": name, "moves": bool(true), "text": text} | span)
     return rows
-
-
-def sentence_of(facts: Mapping[str, Any]) -> str:
-    """Return the answer and whether it is correct; "right" would be taken for a direction."""
-    true = " and ".join(facts["true_ways"] or [facts["true_motion"]])
-    verdict = "correct" if facts["is_right"] else "wrong"
-    return f"{facts['answer']}  ({verdict}: it was {true})"
 
 
 def _sliders(gr: Any) -> list[Any]:
@@ -124,12 +116,14 @@ class Simulated:
     """A simulated touch: as the model sees it, with its true displacement, and both compared.
 
     `truth` is from the first frame to the last, the learned field from the first two to the last
-    two; `facts` are plain values: truth, reading, and the error between them.
+    two; `facts` are plain values: truth, reading, and the error between them. The verdict tells
+    what of the answer is right; "right" would be taken for a direction.
     """
 
     shown: LoadedClip
     truth: Seen
     facts: dict[str, Any]
+    verdict: str
 
 
 def touch_of(name: Any, numbers: Mapping[str, Any], seed: Any) -> Touch:
@@ -154,32 +148,37 @@ def _number(field: str, value: Any) -> float:
 
 def simulate(answerer: Answerer, touch: Touch, preset: str = "fast") -> Simulated:
     """Simulate a touch, ask about it, and compare the answer with the truth."""
-    from geotlm_lm import simulate_touch
+    from geotlm_lm import judge_motion, simulate_touch
 
     made = simulate_touch(touch, preset=preset)
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
     answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
     how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
-    true, read = (_numbers(twist) for twist in (made.twist, shown.encoded.belief.mean))
-    components = made.components
-    # Those that it goes, or goes perhaps.
-    ways = (part.way for part in components.values() if part.moves is not False)
+    twist, components = made.twist, made.components
+    true, read = (_numbers(each) for each in (twist, shown.encoded.belief.mean))
+    moves = {name: part.moves for name, part in components.items()}
+    is_visible = {name: part.is_visible for name, part in components.items()}
+    touches = made.label.motion is not Motion.NONE
+    judged = judge_motion(answer.values[0], twist, moves, is_visible, touches=touches)
+    ways = {name: [part.way] for name, part in components.items() if part.moves}
+    if "slide" in ways:
+        ways["slide"] += [way for way in twist.lesser_way()[:1] if way is not None]
     facts = {
         "answer": answer.text,
         "how_far": how_far.text,
         "direction": None if answer.direction is None else answer.direction.value,
         "confidence": round(answer.confidence, 4),
         "true_motion": made.label.motion.value,
-        "true_ways": [part.way.value for part in components.values() if part.moves],
-        "moves": {name.value: part.moves for name, part in components.items()},
-        "is_visible": {name.value: part.is_visible for name, part in components.items()},
-        "is_right": answer.direction in {made.label.motion, *ways},
+        "true_ways": [way.value for part in ways.values() for way in part],
+        "moves": {name.value: value for name, value in moves.items()},
+        "is_visible": {name.value: value for name, value in is_visible.items()},
+        "is_right": judged.is_right,
         "true": _rounded(true),
         "read": _rounded(read),
         "error": _rounded({name: read[name] - true[name] for name in read}),
         "timing_ms": _rounded(made.timing_ms),
     }
-    return Simulated(shown, _truth(made, shown), facts)
+    return Simulated(shown, _truth(made, shown), facts, judged.text)
 
 
 def _numbers(twist: Any) -> dict[str, float]:

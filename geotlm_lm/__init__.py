@@ -47,6 +47,7 @@ _HOME_OF = {
     "draw_motion": "geotlm_lm.views",
     "drawing_of": "geotlm_lm.track.drawing",
     "is_streamed": "geotlm_lm.recordings.streams",
+    "judge_motion": "geotlm_lm.query.judge",
     "open_source": "geotlm_lm.recordings.streams",
     "picture": "geotlm_lm.views",
     "plot_png": "geotlm_lm.track.plot",

@@ -53,10 +53,13 @@ class Touch:
         low, high = (self.depth_mm + sign * abs(self.press_mm) / 2 for sign in (-1, 1))
         least, most = RANGES["depth_mm"]
         if low < least or high > most:
+            half = abs(self.press_mm) / 2
+            room = 2 * min(self.depth_mm - least, most - self.depth_mm)
             raise UsageError(
                 f"A press by {self.press_mm:g} mm about a depth of {self.depth_mm:g} mm goes from "
                 f"{low:g} to {high:g} mm, expected {least:g} to {most:g}, what the gel takes; "
-                f"press less, or about another depth."
+                f"press by at most {room:.3g} mm, or about a depth of {least + half:g} to "
+                f"{most - half:g} mm."
             )
 
     @cached_property

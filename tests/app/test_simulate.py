@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.simulate_tab import _rows, sentence_of, simulate, touch_of
+from app.simulate_tab import _rows, simulate, simulated, touch_of
 from app.stage import stage_of
 from geotlm_lm import GeoTLMError, Touch, simulate_touch
 from geotlm_lm.core.geometry import IMAGE_SIDE
@@ -32,19 +32,42 @@ def test_a_slide_down_is_told_in_the_pixels_of_the_squashed_picture():
     assert true["slide_x_px"] == 0
 
 
-def test_all_components_of_a_touch_are_true_at_once_and_each_is_a_right_answer():
+def test_an_answer_is_right_only_where_all_that_shows_is_told():
     touch = Touch("key", twist_deg=20.0, slide_x_mm=-0.8, press_mm=0.1, seed=1)
-    facts = simulate(FakeAnswerer(), touch).facts  # the fake answers "left"
+    made = simulate(FakeAnswerer(), touch)  # the fake answers "left"
+    facts = made.facts
     assert facts["true"]["rotation_deg"] == pytest.approx(20, abs=0.01)
     assert facts["true"]["slide_x_px"] == pytest.approx(-0.8 * IMAGE_SIDE / 20.3, abs=0.2)
     assert facts["true"]["press_mm"] == pytest.approx(0.1)
     assert facts["true_motion"] == "clockwise"
     assert facts["true_ways"] == ["clockwise", "left", "press"]
     assert facts["moves"] == {"turn": True, "slide": True, "press": True}
-    assert facts["is_right"]
     assert facts["answer"].startswith("It slides left, about ")
     assert facts["how_far"].startswith("It slides left, about ")
+    assert not facts["is_right"]
+    assert "it also turned clockwise 20 degrees" in made.verdict
     assert not simulate(FakeAnswerer(), replace(touch, slide_x_mm=0.0)).facts["is_right"]
+    alone = simulate(FakeAnswerer(), Touch("key", slide_x_mm=-0.8, seed=1))
+    assert (alone.facts["is_right"], alone.verdict) == (True, "correct: it slid left 9 px")
+
+
+def test_a_slide_between_two_ways_is_told_by_both():
+    made = simulate(FakeAnswerer(), Touch("key", slide_x_mm=3, slide_y_mm=3, seed=1))
+    assert made.facts["true_ways"] == ["down", "right"]
+    assert not made.facts["is_right"]
+    assert made.verdict.startswith("wrong: it slid down and right 55 px, not ")
+
+
+def test_a_touch_that_the_gel_does_not_take_leaves_the_stage_and_says_what_to_change():
+    with pytest.raises(GeoTLMError) as caught:
+        touch_of("key", {"depth_mm": 1.2, "press_mm": 1.0}, 0)
+    advice = "press by at most 0.6 mm, or about a depth of -0.5 to 1 mm."
+    assert str(caught.value).endswith(advice)
+    # Nothing is filled, so that the touch before stays on the stage.
+    with pytest.raises(GeoTLMError, match="press by at most 0.6 mm"):
+        next(simulated(FakeAnswerer(), "key", 0, 0, 0, 1.0, 1.2, 4, 1, 0))
+    touch_of("key", {"depth_mm": 1.2, "press_mm": 0.6}, 0)
+    touch_of("key", {"depth_mm": 1.0, "press_mm": 1.0}, 0)
 
 
 def test_the_error_is_the_reading_less_the_truth(made):
@@ -82,18 +105,6 @@ def test_a_touch_that_is_not_whole_is_told_in_a_sentence(name, depth, seed, sent
     with pytest.raises(GeoTLMError) as caught:
         touch_of(name, {"depth_mm": depth}, seed)
     assert str(caught.value).startswith(sentence)
-
-
-@pytest.mark.parametrize(
-    ("is_right", "ways", "verdict"),
-    [
-        (True, ["clockwise", "left"], "(correct: it was clockwise and left)"),
-        (False, [], "(wrong: it was still)"),
-    ],
-)
-def test_an_answer_is_judged_by_all_that_the_touch_did(is_right, ways, verdict):
-    facts = {"answer": "Left.", "is_right": is_right, "true_ways": ways, "true_motion": "still"}
-    assert sentence_of(facts) == f"Left.  {verdict}"
 
 
 def test_what_is_read_and_what_is_true_stand_in_one_row(made):
