@@ -40,12 +40,14 @@ Image = NDArray[np.uint8]
 SUFFIXES = sorted({*CLIP_SUFFIXES, *IMAGE_SUFFIXES})
 """Endings of recordings, and of single frames, several of which are one."""
 
+TOPIC_ADVICE = "as `topic`, on the page under Details of the Ask tab"
+
 ADVICE = {
     "pass --layout THW": "save frames[..., None], or use the command line with --layout THW",
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
     "pass --layout": "use the command line with --layout",
     "pass --square-pixels": "use the command line with --square-pixels",
-    "by --topic": "as `topic`, on the page under Details of the Ask tab",
+    "by --topic": TOPIC_ADVICE,
 }
 """Advice for a person at the command line, and for one at the page."""
 

@@ -19,7 +19,6 @@ import numpy as np
 from geotlm_lm import (
     FRAME_COUNT,
     Exported,
-    FrameSpec,
     GeoTLMError,
     Motion,
     __version__,
@@ -30,6 +29,7 @@ from geotlm_lm import (
 
 from . import stage
 from .clips import (
+    TOPIC_ADVICE,
     LoadedClip,
     Source,
     compared,
@@ -54,9 +54,6 @@ FIRST = "recording_key"
 FIRST_QUESTION = "What happens first and what then?"
 
 THUMBNAIL_PX = 104
-
-EMPTY_FIELDS: Filled = {"first": "", "last_frame": "", "topic": ""}
-"""Which part of a recording is read, before it was stated."""
 
 MIMES = {"csv": "text/csv", "json": "application/json", "png": "image/png", "txt": "text/plain"}
 
@@ -135,21 +132,23 @@ class Opening:
     def upload(self, paths: list[str] | None, *before: Any) -> Iterator[Filled]:
         """Open what was uploaded last; close everything where all was taken away."""
         given = latest_upload(paths)
-        fields = EMPTY_FIELDS | ({} if given == paths else {"files": given})
         if not given:
-            yield _closed(*before) | fields | {"files": None}
+            yield _closed(*before) | fields_of(None)
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
+        fields = fields_of(source)
+        if given == paths:
+            del fields["files"]
         for values in self._open(source, *before, is_second=_is_paired(*before)):
-            yield values | fields
+            yield fields | values
 
     def example(self, key: str, *before: Any) -> Iterator[Filled]:
         """Open an example, and take away what was uploaded; an unknown key changes nothing."""
         if (source := examples().get(key)) is not None:
             is_second = _is_paired(*before)
-            fields = {} if is_second else EMPTY_FIELDS | {"files": None}
+            fields = {} if is_second else fields_of(source)
             for values in self._open(source, *before, is_second=is_second):
-                yield values | fields
+                yield fields | values
 
     def compare(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Let what is opened next be a second recording, compared with the one that is open."""
@@ -201,18 +200,14 @@ class Opening:
         if source is None:
             return
         # The toolkit's field that was never filled holds None.
-        source = replace(source, topic=(topic or "").strip() or None)
-        try:
-            source = replace(source, span=span_of(first, last))
-        except GeoTLMError:
-            yield _closed(*before) | {"source": source}
-            raise
-        yield from self._open(source, *before)
+        topic = (topic or "").strip() or None
+        yield from self._open(replace(source, topic=topic, span=span_of(first, last)), *before)
 
     def _open(self, source: Source, *before: Any, is_second: bool = False) -> Iterator[Filled]:
         """Show a recording before the model has looked at it, the progress, and the result.
 
-        What was open before is closed first: it must not answer for this one.
+        What was open before is closed first: it must not answer for this one. It is open again
+        where this one cannot be read, unless only the topic of a bag is missing.
         """
         closed = {"stage_second": CHOOSING} if is_second else _closed(*before) | {"source": source}
         name = "stage_second" if is_second else "stage"
@@ -229,9 +224,21 @@ class Opening:
             perceiving = partial(self._perceive, source, recording, growing.follow)
             shown = yield from reported(perceiving, show)
             yield _paired(shown, *before) if is_second else _opened(shown, *before)
-        except Exception:
-            yield closed
+        except Exception as error:
+            yield closed if TOPIC_ADVICE in str(error) else self._kept(*before)
             raise
+
+    def _kept(
+        self, facts: list[str], mm_per_px: float | None = None, shown: LoadedClip | None = None
+    ) -> Filled:
+        """Return what the page shows of what was open before, or of nothing."""
+        if shown is None:
+            return _closed(facts, mm_per_px) | fields_of(None)
+        values = _shown(shown, facts) | fields_of(shown.source) | {"mm_per_px": mm_per_px or 0}
+        if shown.session.history and self._talking is not None:
+            last = shown.session.history[-1].answer
+            values |= {"chat": exchanges(shown.session)} | self._talking.beside(last, shown)
+        return values
 
     def _perceive(
         self, source: Source, recording: Any, follow: Callable[[Tracker], None] = lambda _: None
@@ -265,6 +272,23 @@ def nothing_asked(shown: LoadedClip | None) -> Filled:
     return {"chat": exchanges(None), "evidence": about_clip(shown), "code": "", "last": None}
 
 
+def fields_of(source: Source | None) -> Filled:
+    """Return the file and the part of it that is read, as the fields of the page hold them."""
+    source = source or Source(None, "")
+    first, last = source.span or ("", "")
+    files = source.path if isinstance(source.path, list) else None
+    part = {"first": str(first), "last_frame": str(last), "topic": source.topic or ""}
+    return part | {"files": files}
+
+
+def _shown(shown: LoadedClip, facts: list[str]) -> Filled:
+    """Return all that the page shows of a recording, before anything was asked."""
+    values = _closed(facts) | nothing_asked(shown)
+    values |= {"shown": shown, "source": shown.source, "chips": suggested(shown)}
+    values |= {"stage_second": CHOOSING if shown.is_paired else {}, "saving": offered(shown)}
+    return values | stage.stages_of(shown)
+
+
 def _opened(
     shown: LoadedClip,
     facts: list[str],
@@ -274,14 +298,8 @@ def _opened(
     size = shown.encoded.clip.frames.shape[1:3]
     if before is not None and before.encoded.clip.frames.shape[1:3] != size:
         mm_per_px = None  # it was stated of other pixels
-    frame = FrameSpec(mm_per_px=mm_per_px or None)
-    return _closed(facts) | {
-        **nothing_asked(shown),
-        **{"shown": shown, "source": shown.source, "mm_per_px": mm_per_px or 0},
-        "stage": stage.stage_of(shown, shown.source.name, frame),
-        "chips": suggested(shown),
-        "saving": offered(shown),
-    }
+    shown.session.frame = replace(shown.session.frame, mm_per_px=mm_per_px or None)
+    return _shown(shown, facts) | {"mm_per_px": mm_per_px or 0}
 
 
 def _paired(

@@ -36,20 +36,25 @@ def test_an_example_is_one_click_and_a_question_one_more(browser):
     )
 
 
-def test_a_recording_that_fails_closes_the_one_before(browser, recordings, tmp_path):
+def test_a_recording_that_fails_leaves_the_one_before_open(browser, recordings, tmp_path):
     (tmp_path / "broken.npy").write_bytes(b"no recording")
     browser.open_recording(recordings["dark"])
     browser.ask("Which way?")
     browser.wait_for(f"{TEXT}.includes('slides left, ')")
     browser.upload("Recording", tmp_path / "broken.npy")
-    browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('slides left, ')")
-    browser.fill("Question", "Which way?")
-    browser.click_until("Ask", NONE_OPEN, "button.primary")
-    browser.open_recording(recordings["bright"])  # beside the one that failed
+    browser.wait_for("document.querySelector('.complaint').innerText.includes('broken.npy')")
+    box = "document.querySelector('.drop').innerText"
+    browser.wait_for(f"{SHOWN} && {box}.includes('dark') && !{box}.includes('broken')")
+    assert browser.run(f"{NAME}.innerText") == "dark.npy"
+    browser.ask("Which way?")
+    browser.wait_for(f"{CHAT}.innerText.split('slides left, ').length == 3")
+    browser.open_recording(recordings["bright"])
     browser.wait_for(f"{TEXT}.includes('bright') && !{TEXT}.includes('dark')")
     assert not {word for word in ("tmp", "Traceback") if word in browser.run(TEXT)}
     browser.run("document.querySelector('button[aria-label=\"Clear\"]').click()")
     browser.wait_for(NOTHING_SHOWN)
+    browser.fill("Question", "Which way?")
+    browser.click_until("Ask", NONE_OPEN, "button.primary")
 
 
 def test_a_fact_stated_in_the_chat_is_checked_in_the_page_and_holds_from_then_on(browser):
@@ -129,7 +134,7 @@ def test_what_is_shown_is_read_again_and_not_what_was_uploaded_before(browser, r
     browser.click("Details", "button")
     refused = f"{TEXT}.includes('The span was 0 to 1.5, expected two whole numbers')"
     span = {"First frame": "0", "Last frame": "1.5"}
-    browser.click_until("Read again with these", f"{refused} && {NOTHING_SHOWN}", fields=span)
+    browser.click_until("Read again with these", f"{refused} && {SHOWN}", fields=span)
     read = f"{TEXT}.includes('Frames 0, 1, 2, 3 are shown.')"
     browser.click_until("Read again with these", read, fields=span | {"Last frame": "3"})
     browser.open_recording(recordings["bright"])

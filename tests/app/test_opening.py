@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from app.clips import Source, perceive
+from app.conversation import EMPTY
 from app.opening import FIRST, Opening, examples, offered, saved
 from app.sources import EXAMPLE_FOLDER as FOLDER
 from app.sources import RECORDING_FOLDER
@@ -79,6 +80,7 @@ def test_a_link_opens_its_example_and_a_wrong_one_nothing(talked):
     steps = opening.visit({"example": "no_such", "q": "Which & way?"})
     assert (closed := next(steps))["shown"] is None
     assert closed["stage"] == {}
+    assert "click" not in EMPTY  # no question stands there to be clicked
     with pytest.raises(GeoTLMError, match="^The link names the example 'no_such', which does not"):
         next(steps)
 
@@ -157,13 +159,61 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
     assert len(closed["shown"].session.clips) == len(closed["shown"].session.history) == 1
 
 
-def test_a_second_recording_that_fails_leaves_the_first_open(tracked, tmp_path):  # noqa: F811
+@pytest.fixture
+def broken(tmp_path):
     (tmp_path / "broken.npy").write_bytes(b"no recording")
+    return str(tmp_path / "broken.npy")
+
+
+def test_a_second_recording_that_fails_leaves_the_first_open(tracked, broken):  # noqa: F811
     before = ([], None, replace(tracked, is_paired=True))
-    steps = Opening(FakeAnswerer()).upload([str(tmp_path / "broken.npy")], *before)
-    assert next(steps)["stage_second"] == {"chooses": True}
+    steps = Opening(FakeAnswerer()).upload([broken], *before)
+    assert (kept := next(steps))["stage_second"] == {"chooses": True}
+    assert kept["shown"] is before[-1]
     with pytest.raises(GeoTLMError):
         next(steps)
     assert len(tracked.session.clips) == 1
     with pytest.raises(GeoTLMError, match="^No recording is open"):
         next(Opening(FakeAnswerer()).compare(None))
+
+
+def failing(steps):
+    """Return what is shown last by steps that end in a complaint."""
+    shown = []
+    with pytest.raises(GeoTLMError):
+        shown.extend(steps)
+    return {name: value for values in shown for name, value in values.items()}
+
+
+def test_a_recording_that_fails_leaves_the_one_before_and_its_conversation(recordings, broken):
+    talking = Talking(FakeAnswerer())
+    opening, dark = Opening(talking.answerer, talking), str(recordings["dark"])
+    *_, opened = opening.upload([dark], [])
+    *_, asked = talking.ask("Which way is it moving?", opened["shown"], [], 0.05)
+    shown = failing(opening.upload([dark, broken], [], 0.05, opened["shown"]))
+    assert (shown["stage"]["name"], shown["files"]) == ("dark.npy", [dark])
+    assert shown["shown"] is opened["shown"]
+    assert shown["source"] == opened["source"]
+    assert {name: shown[name] for name in ("chat", "evidence", "code", "mm_per_px")} == {
+        name: asked[name] for name in ("chat", "evidence", "code", "mm_per_px")
+    }
+    empty = failing(opening.upload([broken], []))
+    assert (empty["shown"], empty["files"], empty["stage"]) == (None, None, {})
+
+
+def test_a_span_that_is_none_leaves_what_is_open_and_one_outside_as_well(recordings):
+    opening = Opening(FakeAnswerer())
+    *_, opened = opening.upload([str(recordings["dark"])], [])
+    before = ([], None, opened["shown"])
+    assert failing(opening.read_again(opened["source"], "0", "1.5", None, *before)) == {}
+    shown = failing(opening.read_again(opened["source"], "0", "99", None, *before))
+    assert (shown["shown"], shown["last_frame"]) == (opened["shown"], "")
+
+
+def test_a_bag_whose_topic_is_missing_waits_for_it(recordings, bag):
+    opening = Opening(FakeAnswerer())
+    *_, opened = opening.upload([str(recordings["dark"])], [])
+    shown = failing(opening.upload([str(bag)], [], None, opened["shown"]))
+    assert (shown["shown"], shown["source"].name) == (None, bag.name)
+    *_, read = opening.read_again(shown["source"], "", "", "/left", [], None, None)
+    assert read["stage"]["name"] == bag.name
