@@ -23,7 +23,7 @@ ANSWERED = (
 
 OPENED = (
     *(name for name in ANSWERED if name not in ("question", "frame")),
-    *("shown", "source", "first", "last_frame", "topic", "files"),
+    *("shown", "source", "reading", "first", "last_frame", "topic", "files"),
 )
 """What is filled when a recording is opened or closed."""
 
@@ -31,7 +31,7 @@ OPENED = (
 def build(answerer: Answerer, page: Any) -> None:
     """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
     gr = gradio()
-    states = ("shown", "source", "last")
+    states = ("shown", "source", "reading", "last")
     parts: dict[str, Any] = {name: gr.State() for name in states}
     with gr.Row(elem_classes=["ask"]):
         with gr.Column(elem_classes=["ask-talk"]):
@@ -95,20 +95,18 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     asked = [parts[name] for name in ("question", "frame")]
     at_stage = {**QUIET, **MODEL}
     files, upload = parts["files"], filling(parts, opens.upload)
-    running = [
+    for trigger in (files.upload, files.clear, files.delete):
         trigger(upload, [files, *before], outputs, **at_stage)
-        for trigger in (files.upload, files.clear, files.delete)
-    ]
 
     def open_example(*given: Any) -> Iterator[Filled]:
         *now, event = given
         yield from opens.example(str(event._data.get("example")), *now)
 
     clicked = filling(parts, open_example, gr.EventData)
-    running.append(parts["examples"].click(clicked, before, outputs, **at_stage))
+    parts["examples"].click(clicked, before, outputs, **at_stage)
     spanned = [parts[name] for name in ("source", "first", "last_frame", "topic")]
     again = filling(parts, opens.read_again)
-    running.append(parts["read"].click(again, [*spanned, *before], outputs, **at_stage))
+    parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
 
     compares = [parts[name] for name in ("stage_second", "shown", COMPLAINT)]
     comparing = filling(parts, opens.compare)
@@ -119,10 +117,10 @@ def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) 
     def visit(request: Any) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
 
-    running.append(page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage))
-    stopping = filling(parts, opens.stop)
+    page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage)
+    stopping, shown = filling(parts, opens.stop), [parts[COMPLAINT]]
     for name in ("stage", "stage_second"):
-        parts[name].stop(stopping, before, outputs, cancels=running, **QUIET)
+        parts[name].stop(stopping, parts["reading"], shown, queue=False, **QUIET)
 
 
 def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:

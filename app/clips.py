@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
-from threading import Lock
+from threading import Event, Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,6 +61,15 @@ class Source:
     example: str | None = None  # its key, where it is one
     span: tuple[int, int] | None = None  # first and last frame, where only a part was read
     topic: str | None = None
+    notes: tuple[str, ...] = ()  # that stand below its picture
+
+
+@dataclass(eq=False)
+class Reading:
+    """A recording that is being read: it can be stopped, and questions wait for it."""
+
+    stop: Event = field(default_factory=Event)
+    questions: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +85,8 @@ class LoadedClip:
     source: Source
     second: LoadedClip | None = None  # that it is compared with, in the same conversation
     is_paired: bool = False  # whether what is opened next is that second one
+    # Questions that were asked of another, which could not be read.
+    refused: list[str] = field(default_factory=list)
 
     @cached_property
     def opinions(self) -> dict[str, Any]:
@@ -114,7 +125,11 @@ def perceive(
     has_contact = not encoded.is_untouched and encoded.contact_share >= threshold
     frames, idle = encoded.clip.frames, encoded.clip.background
     seen = Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
-    source = source or Source(None, recording.name)
+    source, track = source or Source(None, recording.name), encoded.track
+    ends = () if track is None else [note for note in track.notes if note.startswith("Stopped at ")]
+    if ends:
+        span = int(track.numbers[0]), int(track.numbers[-1])
+        source = replace(source, span=span, notes=tuple(ends))
     return LoadedClip(encoded, seen, answerer.session(encoded), source)
 
 

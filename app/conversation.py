@@ -221,10 +221,15 @@ def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Seque
     outputs = [parts[name] for name in answered]
     options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
     asking, again = filling(parts, talking.ask), filling(parts, talking.again)
-    running = [
-        trigger(asking, asked, outputs, **options)
-        for trigger in (parts["ask"].click, parts["question"].submit)
-    ]
+    waited = [parts[name] for name in ("question", "reading", about) if name in parts]
+    ended = [parts["chat"], parts[COMPLAINT]]
+
+    def ask(trigger: Any) -> Any:
+        if "reading" in parts:
+            trigger(filling(parts, talking.wait), waited, ended, queue=False, **PRIVATE)
+        return trigger(asking, asked, outputs, **options)
+
+    running = [ask(trigger) for trigger in (parts["ask"].click, parts["question"].submit)]
     running.append(parts["chat"].retry(again, asked[1:], outputs, **options))
 
     def take(event: Any) -> Iterator[Filled]:
@@ -237,12 +242,11 @@ def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Seque
         queue=False,
         **PRIVATE,
     )
-    running.append(chosen.then(asking, asked, outputs, **options))
+    running.append(ask(chosen.then))
     ending = {"cancels": running, "show_progress": "hidden", **PRIVATE}
     # All that is filled with an answer is emptied, but for what is typed.
     forgotten = [parts[name] for name in (*answered, "shown") if name in parts]
     parts["chat"].clear(filling(parts, talking.forget), asked[1:], forgotten, **ending)
-    ended = [parts["chat"], parts[COMPLAINT]]
     parts["chat"].stop(filling(parts, talking.shown_again), asked[1:], ended, **ending)
 
     # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.

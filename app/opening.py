@@ -31,6 +31,7 @@ from . import stage
 from .clips import (
     TOPIC_ADVICE,
     LoadedClip,
+    Reading,
     Source,
     compared,
     latest_upload,
@@ -136,19 +137,15 @@ class Opening:
             yield _closed(*before) | fields_of(None)
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        fields = fields_of(source)
-        if given == paths:
-            del fields["files"]
         for values in self._open(source, *before, is_second=_is_paired(*before)):
-            yield fields | values
+            if values.get("files") == paths:  # stand there, and would be read to be told apart
+                del values["files"]
+            yield values
 
     def example(self, key: str, *before: Any) -> Iterator[Filled]:
         """Open an example, and take away what was uploaded; an unknown key changes nothing."""
         if (source := examples().get(key)) is not None:
-            is_second = _is_paired(*before)
-            fields = {} if is_second else fields_of(source)
-            for values in self._open(source, *before, is_second=is_second):
-                yield fields | values
+            yield from self._open(source, *before, is_second=_is_paired(*before))
 
     def compare(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Let what is opened next be a second recording, compared with the one that is open."""
@@ -156,9 +153,11 @@ class Opening:
             raise GeoTLMError("No recording is open; open one first.")
         yield {"shown": replace(shown, is_paired=True), "stage_second": CHOOSING}
 
-    def stop(self, *before: Any) -> Iterator[Filled]:
-        """Show nothing of a recording that is being opened, and is opened no more."""
-        yield {"stage_second": CHOOSING} if _is_paired(*before) else _closed(*before)
+    def stop(self, reading: Reading | None) -> Iterator[Filled]:
+        """Let the recording that is being read end where it is tracked to."""
+        if reading is not None:
+            reading.stop.set()
+        yield {}
 
     def close_second(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Go back to one recording; its conversation goes on."""
@@ -200,8 +199,8 @@ class Opening:
         if source is None:
             return
         # The toolkit's field that was never filled holds None.
-        topic = (topic or "").strip() or None
-        yield from self._open(replace(source, topic=topic, span=span_of(first, last)), *before)
+        part = {"topic": (topic or "").strip() or None, "span": span_of(first, last), "notes": ()}
+        yield from self._open(replace(source, **part), *before)
 
     def _open(self, source: Source, *before: Any, is_second: bool = False) -> Iterator[Filled]:
         """Show a recording before the model has looked at it, the progress, and the result.
@@ -209,23 +208,29 @@ class Opening:
         What was open before is closed first: it must not answer for this one. It is open again
         where this one cannot be read, unless only the topic of a bag is missing.
         """
-        closed = {"stage_second": CHOOSING} if is_second else _closed(*before) | {"source": source}
-        name = "stage_second" if is_second else "stage"
+        closed = {} if is_second else _closed(*before) | fields_of(source) | {"source": source}
+        name, reading = "stage_second" if is_second else "stage", Reading()
         try:
             recording = read_named(source.path, source.topic)
             unread = stage.opening(recording, source.name)
-            yield ({} if is_second else closed) | {name: unread}
+            yield closed | {name: unread, "reading": reading}
             growing = stage.GrowingTimeline(unread["unit"], recording.frames.shape[1:3])
 
             def show(what: str, done: int, total: int) -> Filled:
                 progress = {"progress": f"{what}, {done / max(total, 1):.0%}"}
                 return {name: unread | growing.values | progress}
 
-            perceiving = partial(self._perceive, source, recording, growing.follow)
-            shown = yield from reported(perceiving, show)
+            def follow(tracker: Tracker) -> bool:
+                growing.follow(tracker)
+                return reading.stop.is_set()
+
+            shown = yield from reported(partial(self._perceive, source, recording, follow), show)
             yield _paired(shown, *before) if is_second else _opened(shown, *before)
         except Exception as error:
-            yield closed if TOPIC_ADVICE in str(error) else self._kept(*before)
+            kept = closed if TOPIC_ADVICE in str(error) and not is_second else self._kept(*before)
+            if reading.questions and kept.get("shown") is not None:
+                kept["shown"] = replace(kept["shown"], refused=reading.questions)
+            yield kept
             raise
 
     def _kept(
@@ -234,24 +239,25 @@ class Opening:
         """Return what the page shows of what was open before, or of nothing."""
         if shown is None:
             return _closed(facts, mm_per_px) | fields_of(None)
-        values = _shown(shown, facts) | fields_of(shown.source) | {"mm_per_px": mm_per_px or 0}
+        values = _shown(shown, facts) | {"mm_per_px": mm_per_px or 0}
         if shown.session.history and self._talking is not None:
             last = shown.session.history[-1].answer
             values |= {"chat": exchanges(shown.session)} | self._talking.beside(last, shown)
         return values
 
     def _perceive(
-        self, source: Source, recording: Any, follow: Callable[[Tracker], None] = lambda _: None
+        self, source: Source, recording: Any, follow: Callable[[Tracker], Any] = lambda _: None
     ) -> LoadedClip:
-        """Return a recording for questions; an example is perceived once."""
+        """Return a recording for questions; an example is perceived once, unless it is stopped."""
         options = {"span": source.span, "source": source, "follow": follow}
         if source.example is None or source.span is not None:
             return perceive(self._answerer, recording, **options)
         with self._lock:
-            if source.example not in self._perceived:
-                self._perceived[source.example] = perceive(self._answerer, recording, **options)
-            perceived = self._perceived[source.example]
-        return replace(perceived, session=self._answerer.session(perceived.encoded))
+            shown = self._perceived.get(source.example)
+            shown = shown or perceive(self._answerer, recording, **options)
+            if shown.source == source:
+                self._perceived[source.example] = shown
+        return replace(shown, session=self._answerer.session(shown.encoded))
 
 
 CHOOSING = {"chooses": True}
@@ -283,7 +289,7 @@ def fields_of(source: Source | None) -> Filled:
 
 def _shown(shown: LoadedClip, facts: list[str]) -> Filled:
     """Return all that the page shows of a recording, before anything was asked."""
-    values = _closed(facts) | nothing_asked(shown)
+    values = _closed(facts) | nothing_asked(shown) | fields_of(shown.source)
     values |= {"shown": shown, "source": shown.source, "chips": suggested(shown)}
     values |= {"stage_second": CHOOSING if shown.is_paired else {}, "saving": offered(shown)}
     return values | stage.stages_of(shown)
@@ -307,9 +313,8 @@ def _paired(
 ) -> Filled:
     shown = compared(shown, second)
     return stage.stages_of(shown) | {
-        "shown": shown,
+        **{"shown": shown, "chips": suggested(shown), "reading": None},
         "mm_per_px": shown.session.frame.mm_per_px or 0,
-        "chips": suggested(shown),
     }
 
 
@@ -319,7 +324,8 @@ def _closed(
     """Return what is shown when no clip is; the size of a pixel goes with the clip it was of."""
     return {
         **nothing_asked(None),
-        **{"shown": None, "source": None, "stage": {}, "stage_second": {}, "chips": []},
+        **{"shown": None, "source": None, "reading": None, "chips": []},
+        **{"stage": {}, "stage_second": {}},
         "framed": in_frame(facts, None),
         "mm_per_px": (mm_per_px or 0) if before is None else 0,
         "saving": offered(None),

@@ -104,7 +104,7 @@ def stage_of(
     if seen.depth_mm is not None:
         deepest = float(seen.depth_mm.max())
         depth = [draw_depth(image, image.shape, deepest) for image in seen.depth_mm]
-    values = opening(clip, name, depth) | {"pending": False}
+    values = opening(clip, name, depth) | {"pending": False, "notes": [*shown.source.notes]}
     units = Units(clip.frames.shape[1:3], mm_per_px)
     if depth:
         values["deepest_mm"] = round(deepest, 2)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from geotlm_lm import FrameSpec, GeoTLMError, Motion
 
 from . import stage
-from .clips import LoadedClip, compared
+from .clips import LoadedClip, Reading, compared
 from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
 from .opening import about_clip, nothing_asked, offered
 from .toolkit import Filled
@@ -43,6 +43,12 @@ class Talking:
             return
         if shown is None:
             raise GeoTLMError("No recording is open; open one first.")
+        if question in shown.refused:
+            shown.refused.remove(question)
+            raise GeoTLMError(
+                "The recording that this was asked of could not be read; ask again for an answer "
+                "about the one that is open."
+            )
         session, size_before = shown.session, shown.session.frame.mm_per_px
         session.frame = replace(session.frame, **fields_of(facts), mm_per_px=mm_per_px or None)
         yield {"chat": exchanges(session, question), "question": ""}
@@ -65,6 +71,15 @@ class Talking:
             **(self.redraw(shown) if redrawn else {}),
             **self.beside(answer, shown),
         }
+
+    def wait(self, question: str, reading: Reading | None, about: Any) -> Iterator[Filled]:
+        """Show that a question waits for the recording that is being read, if one is."""
+        if not question or reading is None:
+            yield {}
+            return
+        reading.questions.append(question)
+        pending = f"{question} (waiting until the recording is read)"
+        yield {"chat": exchanges(self.session_of(about), pending)}
 
     def again(self, about: Any, *others: Any) -> Iterator[Filled]:
         """Ask the last question of the conversation again, in its old place."""

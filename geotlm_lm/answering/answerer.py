@@ -80,7 +80,8 @@ class Answerer:
             span: First and last frame to use, both included; None uses all.
             track: Of the recording, where it was tracked before.
             progress: As of `track`.
-            follow: Called with the tracker after each frame of a recording that is tracked.
+            follow: Called with the tracker after each frame of a recording that is tracked; once it
+                returns True, the rest is left out.
 
         Raises:
             UnreadableClip: If there is only one frame, or the frames hold no picture of a gel.
@@ -100,6 +101,8 @@ class Answerer:
         clip = with_found_idle(scene.steadied(clip))
         if track is None:
             track = track_recording(self.bundle, clip, progress, scene, follow)
+            if span is not None:
+                span = span[0], min(span[1], int(track.numbers[-1]))
         return perceive_recording(self.bundle, clip, track, span)
 
     def track(self, recording: Clip, *, progress: Progress = silent) -> Track:

@@ -383,8 +383,8 @@ class Tracker:
         return tuple(notes)
 
 
-Follow = Callable[[Tracker], None]
-"""Looks at a track that is growing, and changes nothing."""
+Follow = Callable[[Tracker], bool | None]
+"""Looks at a track that is growing and changes nothing; what returns True ends it there."""
 
 
 def unfollowed(_: Tracker) -> None:
@@ -404,7 +404,8 @@ def track_of(
     """Return the track of a recording; arguments and errors as of `Tracker`.
 
     The source is a clip, whose idle gel is looked for first, or frames with their times. Progress
-    is told, and `follow` called, after each frame of a clip.
+    is told, and `follow` called, after each frame of a clip. One that `follow` ends has five frames
+    at least, and a note where that was.
     """
     if not isinstance(source, Clip):
         tracker = Tracker(believe, idle=idle, whole=whole)
@@ -421,9 +422,20 @@ def track_of(
     numbered = zip(source.frames, source.frame_numbers, strict=True)
     for done, (frame, number) in enumerate(numbered, start=1):
         tracker.feed(frame, source.second_of(number, ASSUMED_FPS), number)
-        follow(tracker)
+        is_ended = follow(tracker)
         progress("tracking", done, len(source))
+        if is_ended and FRAME_COUNT < done < len(source):
+            track = tracker.finish()
+            return replace(track, notes=(*track.notes, _ended(source, number)))
     return tracker.finish()
+
+
+def _ended(clip: Clip, number: int) -> str:
+    last = clip.frame_numbers[-1]
+    if not clip.is_timed:
+        return f"Stopped at frame {number} of {last}."
+    ends = (clip.second_of(each, ASSUMED_FPS) for each in (number, last))
+    return "Stopped at {:.1f} s of {:.1f} s.".format(*ends)
 
 
 def gel_of(clip: Clip) -> tuple[Frames | None, bool]:

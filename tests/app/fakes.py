@@ -73,7 +73,10 @@ class FakeAnswerer(Answerer):
         clip = with_background(inside.select(places)).with_note(f"Frames {seen} are shown.")
         found = {}
         if inside.fps is not None and len(inside) > 4:
-            found = {"track": track_of(inside, progress=progress), "recording": inside}
+            found = {
+                "track": track_of(inside, progress=progress, follow=follow),
+                "recording": inside,
+            }
         return Encoded(clip, perception, {"encode": 1.0}, believe=_belief, **found)
 
     def track(self, recording, *, progress=silent):

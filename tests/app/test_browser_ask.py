@@ -226,29 +226,23 @@ def test_a_question_that_is_stopped_does_not_appear_later(browser, monkeypatch):
     assert "How far did it go?" not in browser.run(f"{CHAT}.innerText")
 
 
-def test_a_recording_shows_how_far_it_is_tracked_and_is_stopped(
-    browser, fake, recordings, monkeypatch
+def test_of_a_recording_that_is_stopped_the_part_before_answers_what_waits(
+    browser, fake, long_recording, monkeypatch
 ):
-    encode, stopped = fake.encode, []
+    encode = fake.encode
 
-    def slow(clip, *, progress, **named):
-        try:
-            for number in range(400):
-                progress("tracking", number, 400)
-                time.sleep(0.05)
-        except Exception as error:
-            stopped.append(error)
-            raise
-        return encode(clip, **named)
+    def slow(clip, *, follow, **named):
+        return encode(clip, follow=lambda each: time.sleep(0.05) or follow(each), **named)
 
     with monkeypatch.context() as patch:
         patch.setattr(fake, "encode", slow)
-        browser.upload("Recording", recordings["dark"])
+        browser.upload("Recording", long_recording)
         browser.wait_for(f"/tracking, [0-9]+%/.test({STAGE}.innerText)", seconds=15)
+        browser.fill("Question", "Which way does it go?")
+        browser.click("Ask", "button.primary")
+        browser.wait_for(f"{CHAT}.innerText.includes('(waiting until the recording is read)')")
         browser.click("Stop", ".stage-bar button")
-        browser.wait_for(NOTHING_SHOWN, seconds=15)
-        until = time.monotonic() + 10
-        while not stopped and time.monotonic() < until:
-            time.sleep(0.05)
-    assert stopped
+        browser.wait_for(f"{SHOWN} && /Stopped at [0-9.]+ s of 56.4 s/.test({STAGE}.innerText)")
+        browser.wait_for(f"{CHAT}.innerText.includes('% sure')")
+    assert "waiting" not in browser.run(f"{CHAT}.innerText")
     browser.open_example("cable")

@@ -13,7 +13,7 @@ from urllib.parse import parse_qs
 import numpy as np
 import pytest
 
-from app.clips import Source, perceive
+from app.clips import Reading, Source, perceive
 from app.conversation import EMPTY
 from app.opening import FIRST, Opening, examples, offered, saved
 from app.sources import EXAMPLE_FOLDER as FOLDER
@@ -217,3 +217,60 @@ def test_a_bag_whose_topic_is_missing_waits_for_it(recordings, bag):
     assert (shown["shown"], shown["source"].name) == (None, bag.name)
     *_, read = opening.read_again(shown["source"], "", "", "/left", [], None, None)
     assert read["stage"]["name"] == bag.name
+
+
+def test_of_a_recording_that_is_stopped_the_part_before_is_open_and_asked_about(long_recording):
+    talking = Talking(FakeAnswerer())
+    opening = Opening(talking.answerer, talking)
+    steps = opening.upload([str(long_recording)], [])
+    reading = next(steps)["reading"]
+    assert list(opening.stop(reading)) == [{}]
+    *_, stopped = steps
+    assert stopped["stage"]["notes"] == ["Stopped at 0.2 s of 56.4 s."]
+    assert (stopped["stage"]["count"], stopped["stage"]["pending"]) == (5, False)
+    assert (stopped["first"], stopped["last_frame"], stopped["reading"]) == ("0", "4", None)
+    *_, asked = talking.ask("What happens first and what then?", stopped["shown"], [], None)
+    assert len(asked["chat"]["exchanges"]) == 1
+    assert "Stopped at 0.2 s of 56.4 s." in asked["evidence"]["notes"]
+    assert "span=(0, 4)" in asked["code"]
+    *_, whole = opening.read_again(stopped["source"], "", "", None, [], None, stopped["shown"])
+    assert (whole["stage"]["notes"], whole["last_frame"]) == ([], "")
+    assert list(opening.stop(None)) == [{}]
+
+
+def test_an_example_that_is_stopped_is_read_whole_by_the_next_visitor():
+    opening = Opening(FakeAnswerer())
+    steps = opening.example(FIRST, [])
+    list(opening.stop(next(steps)["reading"]))
+    *_, stopped = steps
+    *_, whole = opening.example(FIRST, [])
+    assert len(stopped["stage"]["notes"]) == 1
+    assert whole["stage"]["notes"] == []
+    assert whole["stage"]["count"] > 100
+
+
+def test_a_question_waits_until_the_recording_is_read(recordings, broken):
+    talking = Talking(FakeAnswerer())
+    opening = Opening(talking.answerer, talking)
+    *_, opened = opening.upload([str(recordings["dark"])], [])
+    question, reading = "Which way is it moving?", Reading()
+    (waits,) = talking.wait(question, reading, None)
+    assert waits["chat"]["pending"] == f"{question} (waiting until the recording is read)"
+    assert list(talking.wait(question, None, opened["shown"])) == [{}]
+    assert list(talking.wait("", reading, None)) == [{}]
+
+
+def test_what_was_asked_of_a_recording_that_fails_is_not_answered_of_the_one_before(
+    recordings, broken, monkeypatch
+):
+    talking = Talking(FakeAnswerer())
+    opening, question = Opening(talking.answerer, talking), "Which way is it moving?"
+    *_, opened = opening.upload([str(recordings["dark"])], [])
+    steps = opening.upload([str(recordings["bright"])], [], None, opened["shown"])
+    list(talking.wait(question, next(steps)["reading"], None))
+    monkeypatch.setattr(opening, "_perceive", lambda *_: read_clip(broken))
+    kept = failing(steps)["shown"]
+    with pytest.raises(GeoTLMError, match="^The recording that this was asked of could not be"):
+        next(talking.ask(question, kept, [], None))
+    *_, answered = talking.ask(question, kept, [], None)
+    assert answered["chat"]["exchanges"][0]["answer"].startswith("It slides left")

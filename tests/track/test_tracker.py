@@ -1,6 +1,7 @@
 """A stream is tracked frame by frame, whatever befalls its frames and however long it is."""
 
 import tracemalloc
+from dataclasses import replace
 from itertools import cycle, islice
 
 import numpy as np
@@ -328,3 +329,15 @@ def test_before_the_first_frame_a_track_is_empty_and_doubts_nothing():
     track = Tracker().so_far
     assert len(track) == 0
     assert track.path_deviations.shape == (0, 4)
+
+
+def test_a_recording_that_is_ended_is_tracked_as_far_as_its_frames_before():
+    clip = there_and_back()
+    track = track_of(clip, follow=lambda tracker: tracker.time_s >= 1.0)
+    before = clip.select([k for k in range(len(clip)) if k / clip.fps <= 1.0])
+    assert np.array_equal(track.numbers, before.frame_numbers)
+    assert track.notes[-1] == f"Stopped at 1.0 s of {(len(clip) - 1) / clip.fps:.1f} s."
+    least = track_of(clip, follow=lambda _: True)
+    assert len(least) == 5
+    untimed = track_of(replace(clip, fps=None), follow=lambda _: True)
+    assert untimed.notes[-1] == f"Stopped at frame 4 of {len(clip) - 1}."
