@@ -57,6 +57,8 @@ class Talking:
         except GeoTLMError:
             yield {"chat": exchanges(session), "question": question}
             raise
+        if shown.second is not None:
+            answer = _naming(answer, shown)
         frame, stated = session.frame, facts_of(session.frame)
         seen = getattr(answer, "in_the_image", None)  # not of two recordings
         direction = None if seen is None else seen.value
@@ -123,8 +125,8 @@ class Talking:
                 for name, each in (("first", answer.first), ("second", answer.second))
             ]
             return beside | {"evidence": about_clip(shown) | {"verdicts": verdicts}}
-        if shown.second is not None:  # a question that is about one of two is about the second
-            shown = shown.second
+        if shown.second is not None:
+            shown = shown.second if answer.places[0] else shown
         details = answer.to_dict()
         timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
         # What is to be known of the answer; the clip's own notes stand beside the clip.
@@ -155,6 +157,23 @@ class Talking:
             "chips": suggested(anew),
             "saving": offered(anew),
         }
+
+
+def _naming(answer: Any, shown: LoadedClip) -> Any:
+    """Return the last answer of a conversation, which names what it is about if that is one of two.
+
+    An answer as JSON stays so.
+    """
+    is_json = answer.text.startswith(("{", "["))
+    if hasattr(answer, "relation") or answer.kind in ("talk", "fact") or is_json:
+        return answer
+    both = (f"{shown.source.name}, the first", f"{shown.second.source.name}, the second")
+    names = "; ".join(both[place] for place in dict.fromkeys(answer.places))
+    text = answer.text.removesuffix(".")
+    answer = replace(answer, text=f"{text} ({names}){'.' * (text != answer.text)}")
+    history = shown.session.history
+    history[-1] = replace(history[-1], answer=answer)
+    return answer
 
 
 def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:

@@ -171,6 +171,12 @@ class Answer:
         return "model" if self.is_own() else "rule"
 
     @property
+    def places(self) -> list[int]:
+        """Which of two clips each part is about: 0 the first, 1 the second, or if none is named."""
+        parts = (set(part.split()) for part in self.query.split(";"))
+        return [int(part.isdisjoint(("of-first", "of-previous"))) for part in parts]
+
+    @property
     def edit(self) -> Edit:
         """The point of view that `direction` is told from: the frame's and the question's."""
         return self.values[0].edit if self.values else self.frame.edit

@@ -151,12 +151,24 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
     assert answered["chat"]["exchanges"][-1]["answer"].startswith("No: the first ")
     assert [row[0] for row in answered["evidence"]["verdicts"]] == ["first", "second"]
     assert "talk.add_clip(answerer.encode(read_clip('dark.npy')))" in answered["code"]
+    asked = {"How far did it go?": "extent", "And the first?": "of-first extent"}
+    tracked.session.answerer.bundle.reader.lines |= asked
+    (second, first) = (list(talking.ask(each, both, [], None))[-1] for each in asked)
+    told = [values["chat"]["exchanges"][-1]["answer"] for values in (second, first)]
+    assert told[0].startswith("It slides left, ")
+    assert [text.partition(" (")[2] for text in told] == [
+        "dark.npy, the second).",
+        "cap, the first).",
+    ]
+    assert second["evidence"]["about"] == list(both.second.encoded.clip.notes)
+    assert first["evidence"]["about"] == list(both.encoded.clip.notes)
     *_, forgotten = talking.forget(both, [])
     assert len(forgotten["shown"].session.clips) == 2
     *_, closed = opening.close_second(both)
     assert (closed["stage_second"], closed["shown"].second) == ({}, None)
     assert "scale" not in closed["stage"]
-    assert len(closed["shown"].session.clips) == len(closed["shown"].session.history) == 1
+    session = closed["shown"].session
+    assert (len(session.clips), len(session.history)) == (1, 3)
 
 
 @pytest.fixture
