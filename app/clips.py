@@ -85,8 +85,7 @@ class LoadedClip:
     source: Source
     second: LoadedClip | None = None  # that it is compared with, in the same conversation
     is_paired: bool = False  # whether what is opened next is that second one
-    # Questions that were asked of another, which could not be read.
-    refused: list[str] = field(default_factory=list)
+    refused: list[str] = field(default_factory=list)  # asked of another, which could not be read
 
     @cached_property
     def opinions(self) -> dict[str, Any]:

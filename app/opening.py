@@ -282,9 +282,8 @@ def fields_of(source: Source | None) -> Filled:
     """Return the file and the part of it that is read, as the fields of the page hold them."""
     source = source or Source(None, "")
     first, last = source.span or ("", "")
-    files = source.path if isinstance(source.path, list) else None
     part = {"first": str(first), "last_frame": str(last), "topic": source.topic or ""}
-    return part | {"files": files}
+    return part | {"files": source.path if isinstance(source.path, list) else None}
 
 
 def _shown(shown: LoadedClip, facts: list[str]) -> Filled:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Motion, Seen
+from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Seen
 
 from . import stage
 from .clips import LoadedClip, perceive
@@ -17,9 +17,6 @@ from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, filling, gradio
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer, Touch
-
-DIRECTION_QUESTION, AMOUNT_QUESTION = "Which way is it moving?", "How far did it go?"
-"""Asked of what was just simulated."""
 
 OBJECTS = (
     *("key", "bottle_cap", "hex_nut", "screw_head", "coin", "bead", "pen_clip", "textured_ball"),
@@ -72,14 +69,11 @@ def simulated(answerer: Answerer, name: str, *given: float | None) -> Iterator[F
     *numbers, seed = given
     touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
     for preset in PRESETS:
-        yield _filled(simulate(answerer, touch, preset), name.replace("_", " "))
-
-
-def _filled(made: Simulated, name: str) -> Filled:
-    values = stage.stage_of(made.shown, name, truth=made.truth)
-    if values["step"]["rows"]:
-        values["step"]["rows"] = _rows(made)
-    return {"stage": values | {"notes": [f"{made.facts['answer']}  ({made.verdict})"]}}
+        made = simulate(answerer, touch, preset)
+        values = stage.stage_of(made.shown, name.replace("_", " "), truth=made.truth)
+        if values["step"]["rows"]:
+            values["step"]["rows"] = _rows(made)
+        yield {"stage": values | {"notes": [f"{made.facts['answer']}  ({made.verdict})"]}}
 
 
 def _rows(made: Simulated) -> list[dict[str, Any]]:
@@ -148,46 +142,11 @@ def _number(field: str, value: Any) -> float:
 
 def simulate(answerer: Answerer, touch: Touch, preset: str = "fast") -> Simulated:
     """Simulate a touch, ask about it, and compare the answer with the truth."""
-    from geotlm_lm import judge_motion, simulate_touch
+    from geotlm_lm import ask_simulated, simulate_touch
 
     made = simulate_touch(touch, preset=preset)
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
-    answer = answerer.ask(shown.encoded, DIRECTION_QUESTION)
-    how_far = answerer.ask(shown.encoded, AMOUNT_QUESTION)
-    twist, components = made.twist, made.components
-    true, read = (_numbers(each) for each in (twist, shown.encoded.belief.mean))
-    moves = {name: part.moves for name, part in components.items()}
-    is_visible = {name: part.is_visible for name, part in components.items()}
-    touches = made.label.motion is not Motion.NONE
-    judged = judge_motion(answer.values[0], twist, moves, is_visible, touches=touches)
-    ways = {name: [part.way] for name, part in components.items() if part.moves}
-    if "slide" in ways:
-        ways["slide"] += [way for way in twist.lesser_way()[:1] if way is not None]
-    facts = {
-        "answer": answer.text,
-        "how_far": how_far.text,
-        "direction": None if answer.direction is None else answer.direction.value,
-        "confidence": round(answer.confidence, 4),
-        "true_motion": made.label.motion.value,
-        "true_ways": [way.value for part in ways.values() for way in part],
-        "moves": {name.value: value for name, value in moves.items()},
-        "is_visible": {name.value: value for name, value in is_visible.items()},
-        "is_right": judged.is_right,
-        "true": _rounded(true),
-        "read": _rounded(read),
-        "error": _rounded({name: read[name] - true[name] for name in read}),
-        "timing_ms": _rounded(made.timing_ms),
-    }
-    return Simulated(shown, _truth(made, shown), facts, judged.text)
-
-
-def _numbers(twist: Any) -> dict[str, float]:
-    return {
-        "rotation_deg": twist.turn_deg,
-        "slide_x_px": twist.right_px,
-        "slide_y_px": twist.down_px,
-        "press_mm": twist.inward_mm,
-    }
+    return Simulated(shown, _truth(made, shown), *ask_simulated(answerer, made, shown.encoded))
 
 
 def _truth(made: Any, shown: LoadedClip) -> Seen:
@@ -201,7 +160,3 @@ def _truth(made: Any, shown: LoadedClip) -> Seen:
         has_contact=bool(contact.any()),
         scale=TRUE_DISPLACEMENT,
     )
-
-
-def _rounded(values: dict[str, float]) -> dict[str, float]:
-    return {name: round(float(np.float64(value)), 2) for name, value in values.items()}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import FrameSpec, GeoTLMError, Motion
+from geotlm_lm import FrameSpec, GeoTLMError, Motion, flow_phrase
 
 from . import stage
 from .clips import LoadedClip, Reading, compared
@@ -18,7 +18,6 @@ from .turns import SessionInTurns
 
 if TYPE_CHECKING:
     from geotlm_lm import Answerer
-
 
 MOST_OPTIONS = 5
 
@@ -45,10 +44,7 @@ class Talking:
             raise GeoTLMError("No recording is open; open one first.")
         if question in shown.refused:
             shown.refused.remove(question)
-            raise GeoTLMError(
-                "The recording that this was asked of could not be read; ask again for an answer "
-                "about the one that is open."
-            )
+            raise GeoTLMError("This was asked of a recording that failed; ask again of this one.")
         session, size_before = shown.session, shown.session.frame.mm_per_px
         session.frame = replace(session.frame, **fields_of(facts), mm_per_px=mm_per_px or None)
         yield {"chat": exchanges(session, question), "question": ""}
@@ -57,8 +53,9 @@ class Talking:
         except GeoTLMError:
             yield {"chat": exchanges(session), "question": question}
             raise
-        if shown.second is not None:
-            answer = _naming(answer, shown)
+        if shown.second is not None and hasattr(answer, "naming"):
+            answer = answer.naming(shown.source.name, shown.second.source.name)
+            session.history[-1] = replace(session.history[-1], answer=answer)
         frame, stated = session.frame, facts_of(session.frame)
         seen = getattr(answer, "in_the_image", None)  # not of two recordings
         direction = None if seen is None else seen.value
@@ -76,12 +73,12 @@ class Talking:
 
     def wait(self, question: str, reading: Reading | None, about: Any) -> Iterator[Filled]:
         """Show that a question waits for the recording that is being read, if one is."""
-        if not question or reading is None:
-            yield {}
-            return
-        reading.questions.append(question)
-        pending = f"{question} (waiting until the recording is read)"
-        yield {"chat": exchanges(self.session_of(about), pending)}
+        values: Filled = {}
+        if question and reading is not None:
+            reading.questions.append(question)
+            pending = f"{question} (waiting until the recording is read)"
+            values = {"chat": exchanges(self.session_of(about), pending)}
+        yield values
 
     def again(self, about: Any, *others: Any) -> Iterator[Filled]:
         """Ask the last question of the conversation again, in its old place."""
@@ -125,8 +122,8 @@ class Talking:
                 for name, each in (("first", answer.first), ("second", answer.second))
             ]
             return beside | {"evidence": about_clip(shown) | {"verdicts": verdicts}}
-        if shown.second is not None:
-            shown = shown.second if answer.places[0] else shown
+        if shown.second is not None and answer.places[0]:
+            shown = shown.second
         details = answer.to_dict()
         timing_ms = details.get("timing_ms", {}) | shown.opinions["timing_ms"]
         # What is to be known of the answer; the clip's own notes stand beside the clip.
@@ -159,23 +156,6 @@ class Talking:
         }
 
 
-def _naming(answer: Any, shown: LoadedClip) -> Any:
-    """Return the last answer of a conversation, which names what it is about if that is one of two.
-
-    An answer as JSON stays so.
-    """
-    is_json = answer.text.startswith(("{", "["))
-    if hasattr(answer, "relation") or answer.kind in ("talk", "fact") or is_json:
-        return answer
-    both = (f"{shown.source.name}, the first", f"{shown.second.source.name}, the second")
-    names = "; ".join(both[place] for place in dict.fromkeys(answer.places))
-    text = answer.text.removesuffix(".")
-    answer = replace(answer, text=f"{text} ({names}){'.' * (text != answer.text)}")
-    history = shown.session.history
-    history[-1] = replace(history[-1], answer=answer)
-    return answer
-
-
 def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
     """Return the motion that each method reads, all told from the answer's point of view.
 
@@ -185,7 +165,7 @@ def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
     motion = answer.direction or stage.way_of(shown, answer.frame)
     fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
     turn, right, down, _ = answer.edit.matrix @ fitted + 0.0  # 0.0 has no sign of its own
-    far = along(turn, right, down) or "nothing moves"
+    far = flow_phrase(turn, right, down)
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
         ["answer", _way(motion), answer.text],
@@ -210,17 +190,6 @@ def _band(answerer: Answerer, details: dict[str, Any]) -> str:
         f"nothing touches a gel that has changed. What is less than {LEAST_SURE:.0%} sure is a "
         f"guess: this answer is {side}."
     )
-
-
-def along(turn_deg: float, right_px: float, down_px: float) -> str:
-    """Return a motion in words without signs: "12.0 degrees clockwise, 3.1 px left"."""
-    parts = (
-        (turn_deg, "degrees", ("clockwise", "counterclockwise")),
-        (right_px, "px", ("right", "left")),
-        (down_px, "px", ("down", "up")),
-    )
-    moving = (part for part in parts if abs(part[0]) >= 0.05)
-    return ", ".join(f"{abs(far):.1f} {unit} {ways[int(far < 0)]}" for far, unit, ways in moving)
 
 
 def code_of(shown: LoadedClip) -> str:

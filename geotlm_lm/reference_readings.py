@@ -67,3 +67,15 @@ def second_opinions(answerer: Answerer, encoded: Encoded) -> ReferenceReadings:
         moved=moved,
         timing_ms={"probe": 1e3 * (read - started), "optical flow": 1e3 * (done - read)},
     )
+
+
+def flow_phrase(turn_deg: float, right_px: float, down_px: float) -> str:
+    """Return a motion in words without signs: "12.0 degrees clockwise, 3.1 px left"."""
+    parts = (
+        (turn_deg, "degrees", ("clockwise", "counterclockwise")),
+        (right_px, "px", ("right", "left")),
+        (down_px, "px", ("down", "up")),
+    )
+    moving = (part for part in parts if abs(part[0]) >= 0.05)
+    texts = [f"{abs(far):.1f} {unit} {ways[int(far < 0)]}" for far, unit, ways in moving]
+    return ", ".join(texts) or "nothing moves"

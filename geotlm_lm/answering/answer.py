@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal
@@ -175,6 +175,15 @@ class Answer:
         """Which of two clips each part is about: 0 the first, 1 the second, or if none is named."""
         parts = (set(part.split()) for part in self.query.split(";"))
         return [int(part.isdisjoint(("of-first", "of-previous"))) for part in parts]
+
+    def naming(self, first: str, second: str) -> Answer:
+        """Return the answer that names which of two recordings it is about; talk and JSON stay."""
+        if self.kind in ("talk", "fact") or self.text.startswith(("{", "[")):
+            return self
+        both = f"{first}, the first", f"{second}, the second"
+        names = "; ".join(both[place] for place in dict.fromkeys(self.places))
+        text = self.text.removesuffix(".")
+        return replace(self, text=f"{text} ({names}){'.' * (text != self.text)}")
 
     @property
     def edit(self) -> Edit:

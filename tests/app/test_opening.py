@@ -282,7 +282,7 @@ def test_what_was_asked_of_a_recording_that_fails_is_not_answered_of_the_one_bef
     list(talking.wait(question, next(steps)["reading"], None))
     monkeypatch.setattr(opening, "_perceive", lambda *_: read_clip(broken))
     kept = failing(steps)["shown"]
-    with pytest.raises(GeoTLMError, match="^The recording that this was asked of could not be"):
+    with pytest.raises(GeoTLMError, match="^This was asked of a recording that failed"):
         next(talking.ask(question, kept, [], None))
     *_, answered = talking.ask(question, kept, [], None)
     assert answered["chat"]["exchanges"][0]["answer"].startswith("It slides left")
