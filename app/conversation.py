@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from .clips import LoadedClip
     from .talking import Talking
 
-EMPTY = "Open a recording and ask how the touched object moves, in plain English."
+EMPTY = "Ask how the touched object moves, in plain English, once a recording is open."
 
 MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
 CLOCKWISE = "image is turned 90° clockwise"
