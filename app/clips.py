@@ -40,14 +40,12 @@ Image = NDArray[np.uint8]
 SUFFIXES = sorted({*CLIP_SUFFIXES, *IMAGE_SUFFIXES})
 """Endings of recordings, and of single frames, several of which are one."""
 
-TOPIC_ADVICE = "as `topic`, on the page under Details of the Ask tab"
-
 ADVICE = {
     "pass --layout THW": "save frames[..., None], or use the command line with --layout THW",
     "or, with --layout THW, (T,H,W)": "or, on the command line with --layout THW, (T,H,W)",
     "pass --layout": "use the command line with --layout",
     "pass --square-pixels": "use the command line with --square-pixels",
-    "by --topic": TOPIC_ADVICE,
+    "by --topic": "as `topic`, on the page under Details of the Ask tab",
 }
 """Advice for a person at the command line, and for one at the page."""
 
@@ -125,10 +123,9 @@ def perceive(
     frames, idle = encoded.clip.frames, encoded.clip.background
     seen = Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
     source, track = source or Source(None, recording.name), encoded.track
-    ends = () if track is None else [note for note in track.notes if note.startswith("Stopped at ")]
-    if ends:
-        span = int(track.numbers[0]), int(track.numbers[-1])
-        source = replace(source, span=span, notes=tuple(ends))
+    if track is not None and track.is_cut:
+        ends = int(track.numbers[0]), int(track.numbers[-1])
+        source = replace(source, span=ends, notes=track.notes[-1:])
     return LoadedClip(encoded, seen, answerer.session(encoded), source)
 
 

@@ -26,10 +26,10 @@ from geotlm_lm import (
     plot_png,
     read_clip,
 )
+from geotlm_lm.core.errors import TopicNeeded
 
 from . import stage
 from .clips import (
-    TOPIC_ADVICE,
     LoadedClip,
     Reading,
     Source,
@@ -227,7 +227,8 @@ class Opening:
             shown = yield from reported(partial(self._perceive, source, recording, follow), show)
             yield _paired(shown, *before) if is_second else _opened(shown, *before)
         except Exception as error:
-            kept = closed if TOPIC_ADVICE in str(error) and not is_second else self._kept(*before)
+            is_half_open = isinstance(error, TopicNeeded) and not is_second
+            kept = closed if is_half_open else self._kept(*before)
             if reading.questions and kept.get("shown") is not None:
                 kept["shown"] = replace(kept["shown"], refused=reading.questions)
             yield kept

@@ -52,6 +52,10 @@ class UnreadableClip(GeoTLMError):
     exit_code = 3
 
 
+class TopicNeeded(UnreadableClip):
+    """A bag holds images on several topics, or none on the one that was given."""
+
+
 class IncompatibleBundle(GeoTLMError):
     """A model bundle is missing, incomplete, or of another format."""
 

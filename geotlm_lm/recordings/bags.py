@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.core.errors import UnreadableClip, damage_as, require_package
+from geotlm_lm.core.errors import TopicNeeded, UnreadableClip, damage_as, require_package
 from geotlm_lm.core.files import is_plain, plain_name
 from geotlm_lm.recordings.images import StatedShape, decoded_image, image_shape
 from geotlm_lm.recordings.pixels import of_8_bits
@@ -181,12 +181,12 @@ def _topic_of(reader: Reader, path: Path, topic: str | None) -> str:
         )
     images = ", ".join(f"{name} ({count} images)" for name, count in sorted(counts.items()))
     if topic is None and len(counts) > 1:
-        raise UnreadableClip(
+        raise TopicNeeded(
             f"{path}: holds images on {len(counts)} topics, {images}, expected one; give it by "
             f"--topic."
         )
     if topic is not None and topic not in counts:
-        raise UnreadableClip(
+        raise TopicNeeded(
             f"{path}: holds no images on the topic {topic}, expected {images}; give one by --topic."
         )
     return topic or next(iter(counts))

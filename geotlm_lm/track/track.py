@@ -80,6 +80,7 @@ class Track:
     events: tuple[Event, ...]  # what happened, by when it began
     frame_size: tuple[int, int]  # rows and columns of the recording's frames
     notes: tuple[str, ...] = ()  # what was amiss, one sentence each
+    is_cut: bool = False  # whether it was ended before the recording did; its last note says where
     # whether the gel's untouched look is known, without which nothing tells contact
     is_contact_known: bool = True
     scene: SceneReport = SceneReport()  # whether it is a gel's, and where the camera moved

@@ -426,7 +426,7 @@ def track_of(
         progress("tracking", done, len(source))
         if is_ended and FRAME_COUNT < done < len(source):
             track = tracker.finish()
-            return replace(track, notes=(*track.notes, _ended(source, number)))
+            return replace(track, notes=(*track.notes, _ended(source, number)), is_cut=True)
     return tracker.finish()
 
 
