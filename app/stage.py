@@ -56,7 +56,7 @@ LANES = {
     "contact": ("touch", "press", "release"),
     "turn": ("turn",),
     "slide": ("slide",),
-    "held": ("stick",),
+    "rest": ("stick",),
 }
 """Rows of the timeline, and the kinds of events in each."""
 
@@ -308,7 +308,7 @@ def timeline_of(
         places = places[np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)]
     bands = [band for band in drawing.bands if band.event.end_s >= since_s]
     curves = {"contact": "contact", "turn": "turn", "slide": "travel"}
-    of_unit = {"contact": "", "turn": DEGREE, "slide": drawing.units.name, "held": ""}
+    of_unit = {"contact": "", "turn": DEGREE, "slide": drawing.units.name, "rest": ""}
     lanes = [
         {
             "name": lane,
@@ -334,7 +334,7 @@ def timeline_of(
 
 def unknown_of(track: Any) -> tuple[str, ...]:
     """Return the names of the rows that need an idle frame, if the track has none."""
-    return () if track.is_contact_known else ("contact", "held")
+    return () if track.is_contact_known else ("contact", "rest")
 
 
 class GrowingTimeline:
@@ -369,7 +369,7 @@ def _event(band: Any, axis_unit: str) -> dict[str, Any]:
     is_timed = axis_unit == "s"
     begin, end = (event.begin_s, event.end_s) if is_timed else (event.begin, event.end)
     far = _figure(band.amount, unit) if unit else ""
-    text = {"turn": f"{band.way} {far}", "slide": f"{far} {band.way}", "stick": "held"}
+    text = {"turn": f"{band.way} {far}", "slide": f"{far} {band.way}", "stick": "rest"}
     return {
         "kind": event.kind.value,
         "text": text.get(event.kind.value, f"{event.kind.value} {far}").strip(),

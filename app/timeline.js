@@ -3,7 +3,7 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const LEFT = 64, RIGHT = 10, STRIP = 16, GAP = 5, AXIS = 22;
-const CURVE = { contact: 16, turn: 44, slide: 44, held: 0 };
+const CURVE = { contact: 16, turn: 44, slide: 44, rest: 0 };
 
 function svg(name, attributes, text) {
   const made = document.createElementNS(SVG, name);

@@ -273,7 +273,7 @@ def _labels(row: Row, drawing: Drawing) -> list[tuple[Event, str]]:
 def _label(band: Band) -> str:
     kind, way = band.event.kind, band.name.removeprefix(band.event.kind.value).strip()
     if kind is EventKind.STICK:
-        return "held"
+        return "rest"
     if kind is EventKind.SLIP or not band.unit:
         return kind.value
     far = f"{band.amount:.0f}" if band.amount >= 10 else f"{band.amount:.2g}"

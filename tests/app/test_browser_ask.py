@@ -168,7 +168,7 @@ def test_a_recording_is_watched(browser, touch_path):
     browser.upload("Recording", touch_path)
     browser.wait_for(f"{TEXT}.includes('idle gel learnt · 40 frames')")
     browser.wait_for(f"{TEXT}.includes('Did not hold: it turns by more than 300 degrees')")
-    browser.wait_for(f"{TOLD}.includes('held')")
+    browser.wait_for(f"{TOLD}.includes('rest')")
     answered = f"{CHAT}.innerText.includes('does not happen in this recording')"
     browser.click("When did it stop?", ".chips button")
     browser.wait_for(answered)

@@ -152,7 +152,7 @@ def test_contact_without_an_idle_frame_is_neither_drawn_nor_told(
         ("2 px down and left", "↙ 2"),
         ("2.2 px down and a little right", "↓ 2.2"),
         ("counterclockwise 32°", "↺ 32°"),
-        ("held", ""),
+        ("rest", ""),
     ],
 )
 def test_a_way_is_short_as_one_arrow(empty, text, short):

@@ -82,7 +82,7 @@ def test_a_long_recording_stays_below_three_megabytes_and_none_of_it_is_in_the_v
 def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):
     track = tracked.encoded.track
     told = stage.stage_of(tracked, "cap", FrameSpec(mm_per_px=0.1))["timeline"]
-    contact, turn, travel, held = told["lanes"]
+    contact, turn, travel, rest = told["lanes"]
     assert turn["curves"][0]["mean"] == pytest.approx(track.path_from_start[:, 0], abs=1e-3)
     assert turn["curves"][0]["spread"] == pytest.approx(
         1.645 * track.path_deviations[:, 0], abs=1e-3
@@ -91,7 +91,7 @@ def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):
     assert travel["unit"] == "mm"
     assert travel["curves"][0]["mean"] == pytest.approx(right, abs=1e-3)
     assert contact["curves"][0]["mean"] == pytest.approx(track.contact, abs=1e-3)
-    assert held["curves"] == []
+    assert rest["curves"] == []
 
 
 def test_contact_without_an_idle_frame_is_not_known_and_has_no_curve(tracked):
