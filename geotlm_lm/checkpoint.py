@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -28,13 +29,14 @@ from geotlm_lm.core.files import replacing, resource_dir, write_text_atomically
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.encoder import DGR
 from geotlm_lm.model import GeoTLM
-from geotlm_lm.motion.network import BELIEF_NUMBERS, Beliefs, MotionNetwork
+from geotlm_lm.motion.belief import BELIEF_NUMBERS, Belief
+from geotlm_lm.motion.network import MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.query.speaker import Speaker
 
-BUNDLE_FORMAT = 12
+BUNDLE_FORMAT = 13
 CONFIG_FILE = "config.json"
 PERCEPTION_FILE = "perception.safetensors"
 LANGUAGE_DIR = "language"
@@ -95,9 +97,10 @@ class Bundle:
         return digest.hexdigest()[:12]
 
 
-def reading_of(fused_token: Tensor, beliefs: Beliefs) -> Tensor:
+def reading_of(fused_tokens: Tensor, beliefs: Iterable[Belief]) -> Tensor:
     """Return what the language model reads of b clips: z, then what is believed, (b, width)."""
-    return torch.cat([fused_token.float(), beliefs.vector()], dim=1)
+    believed = torch.from_numpy(np.stack([belief.vector() for belief in beliefs])).float()
+    return torch.cat([fused_tokens.float(), believed], dim=1)
 
 
 def _bytes_of(value: Any) -> bytes:

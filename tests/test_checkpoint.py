@@ -13,8 +13,9 @@ from geotlm_lm.checkpoint import Calibration, load_bundle, reading_of, save_bund
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.errors import IncompatibleBundle
 from geotlm_lm.language.sequence import SequenceDecoder
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.motion.measured import measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.motion.network import belief_of_one
 from geotlm_lm.query.reader import Reader
 from tests.tiny_bundle import WIDTH, tiny_bundle, tiny_reader
 
@@ -32,10 +33,11 @@ def clip():
     return Clip(frames, background=np.full((32, 40, 3), 105, np.uint8))
 
 
+@torch.no_grad()
 def reading(bundle, seen):
     motions = torch.from_numpy(np.stack([one.numbers() for one in seen.motions]))
     found = measured(seen.inputs, motions, seen.geometry, seen.fused_token)
-    return reading_of(seen.fused_token, bundle.motion(found)).detach()
+    return reading_of(seen.fused_token, [belief_of_one(bundle.motion(found))])
 
 
 def test_a_loaded_bundle_perceives_and_speaks_as_the_saved_one(saved):

@@ -13,8 +13,9 @@ from geotlm_lm.language.sequence import SequenceDecoder
 from geotlm_lm.language.size import PREFIX
 from geotlm_lm.language.tokenizer import byte_pairs
 from geotlm_lm.model import GeoTLM
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.motion.measured import measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
+from geotlm_lm.motion.network import MotionNetwork
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.probe.standardise import Standardiser
 from geotlm_lm.query.reader import Reader, Spelling

@@ -8,18 +8,16 @@ from functools import partial
 from math import inf
 
 import numpy as np
-import torch
 from torch import Tensor
 
 from geotlm_lm.alignment.dots import activity_grey, is_marked
 from geotlm_lm.answering.encoded import Encoded, with_background
-from geotlm_lm.checkpoint import Bundle
+from geotlm_lm.checkpoint import Bundle, reading_of
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
-from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.recordings.idle import find_idle
 from geotlm_lm.recordings.legible import require_legible
@@ -74,9 +72,7 @@ def _first_belief(bundle: Bundle, encoded: Encoded) -> Belief:
 
 def reading(encoded: Encoded) -> Tensor:
     """Return what the language model reads of a clip: z, then what is believed, (width,)."""
-    token = encoded.perception.fused_token[0].float()
-    numbers = encoded.belief.numbers or (0.0,) * BELIEF_NUMBERS
-    return torch.cat([token, torch.tensor(numbers, dtype=token.dtype)])
+    return reading_of(encoded.perception.fused_token, [encoded.belief])[0]
 
 
 def prefix_of(bundle: Bundle, encoded: Encoded) -> TactilePrefix:

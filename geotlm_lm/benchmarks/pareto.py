@@ -54,6 +54,7 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.numbers import seed_for
 from geotlm_lm.core.process import THREAD_VARIABLES
 from geotlm_lm.motion.measured import measured
+from geotlm_lm.motion.network import belief_of_one
 from geotlm_lm.probe.rigid_flow import RigidFlow
 from geotlm_lm.simulation.camera import idle_frame
 from geotlm_lm.simulation.contact import PRESETS, Preset, dome_mm
@@ -173,6 +174,7 @@ def long_recording(clip: Clip) -> Clip:
     return Clip(np.repeat(np.concatenate([clip.background[None], clip.frames]), 25, axis=0))
 
 
+@torch.no_grad()
 def _stage_rows(run: Run) -> Iterator[Row]:
     clip, bundle = runtime_clip(run), run.answerer.bundle
     model, speaker, recording = bundle.model, bundle.speaker, long_recording(clip)
@@ -181,8 +183,8 @@ def _stage_rows(run: Run) -> Iterator[Row]:
     tokens = model.backbone.encode_inputs(inputs)
     perception = model.fuse(tokens)
     token, geometry = perception.fused_token, perception.geometry
-    reading = reading_of(token, bundle.motion(measured(inputs, motions, geometry, token)))
-    reading = reading[0].detach().numpy()
+    belief = belief_of_one(bundle.motion(measured(inputs, motions, geometry, token)))
+    reading = reading_of(token, [belief])[0].numpy()
     prefix = speaker.prefix(reading)
     ways = {
         "track of 125 frames": lambda: run.answerer.track(recording),

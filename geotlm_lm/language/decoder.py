@@ -98,16 +98,16 @@ class LanguageModel(nn.Module):
             for name, weight in layers[place].named_parameters()
         }
 
-    def states(
-        self, embedded: Tensor, mask: Tensor, positions: Tensor, is_spoken: bool = False
-    ) -> Tensor:
-        """Return the states (b, s, width) that programs and slots, or sentences, are read from.
+    def states(self, embedded: Tensor, mask: Tensor, positions: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the states that programs and slots, and that sentences are read from.
 
         Args:
             embedded: Embeddings, (b, s, width).
             mask: True where a position may look, (b, 1, s, s).
             positions: Of each embedding, (b, s).
-            is_spoken: Whether those behind all layers, not behind those that read.
+
+        Returns:
+            Those behind the layers that read and those behind all, (b, s, width) each.
         """
         decoder = self.llama.model
         # On processors torch's kernel for masked attention takes twice as long as its products.
@@ -117,17 +117,17 @@ class LanguageModel(nn.Module):
         if kind == "eager":
             mask = torch.zeros(mask.shape).masked_fill(~mask, UNSEEN)
         reading = decoder.config.reading_layers
-        is_early = not is_spoken and reading < decoder.config.num_hidden_layers
-        read = decoder(
+        done = decoder(
             inputs_embeds=embedded,
             attention_mask=mask,
             position_ids=positions,
             use_cache=False,
-            output_hidden_states=is_early,
+            output_hidden_states=True,
         )
-        if is_early:
-            return decoder.norm(read.hidden_states[reading])
-        return read.last_hidden_state
+        spoken = done.last_hidden_state
+        if reading == decoder.config.num_hidden_layers:
+            return spoken, spoken
+        return decoder.norm(done.hidden_states[reading]), spoken
 
     def logits(self, hidden: Tensor) -> Tensor:
         """Return the logits over all ids; the output weights are the embeddings."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,11 @@ from geotlm_lm.core.edit import BACKWARDS, Edit, opposite
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import BARELY_MM, BARELY_PX, COMPONENTS, WAYS, Component, Twist
 
-Spread = NDArray[np.float64]
+Floats = NDArray[np.float64]
+Spread = Floats
+
+BELIEF_NUMBERS = 42
+"""Of a Belief in one vector, as the language model reads it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +34,6 @@ class Belief:
     # Whether the picture tells each component at all: an edge hides its travel along itself, a
     # smooth ball its turn.
     readable: Mapping[Component, bool]
-    # All of it as the language model reads it; empty where no model made it.
-    numbers: tuple[float, ...] = ()
     # Detection limit: path that each component needs to be told from this clip's own noise, pixels,
     # of a press mm; none where it is not known.
     limits: Mapping[Component, float] = field(default_factory=dict)
@@ -101,9 +103,40 @@ class Belief:
         """Return what is believed from another point of view."""
         ways = {edit.of_way(way): share for way, share in self.ways.items()}
         covariance = edit.matrix @ self.covariance @ edit.matrix.T
-        # The model's own numbers are those of the clip as it was seen.
         mean = edit.of_twist(self.mean)
-        return replace(self, mean=mean, covariance=covariance, ways=ways, numbers=())
+        return replace(self, mean=mean, covariance=covariance, ways=ways)
+
+    def vector(self) -> Floats:
+        """Return all that answers are decided by in one vector, for the tactile prefix.
+
+        Returns:
+            (BELIEF_NUMBERS,), unitless, most of them between -3 and 3: signed paths, deviations,
+            amounts, detection limits, probabilities of ways, and what is decided of components.
+        """
+        turn, right, down, inward = astuple(self.mean)
+        arc, deviations = math.radians(turn) * self.radius_px, np.sqrt(np.diag(self.covariance))
+        to_px = np.array([PX_PER_MM if c is Component.PRESS else 1.0 for c in COMPONENTS])
+        lengths = to_px * [self.path(c) for c in COMPONENTS]
+        limits = to_px * [self.limits.get(c, 0.0) for c in COMPONENTS]
+        moves = np.array([self.moves(c) for c in COMPONENTS])
+        sizes = np.where(moves >= 0.5, lengths, 0.0)
+        angle = math.atan2(down, right)
+        parts = (
+            np.arcsinh([2 * arc, turn, 2 * right, 2 * down, inward / 0.05]),
+            np.log(np.maximum(deviations, 1e-4)),
+            np.log(lengths + 0.03),
+            np.log(limits + 0.03),
+            [2 * self.ways[way] - 1 for c in COMPONENTS for way in WAYS[c]],
+            np.clip(20 * (moves - 0.5), -1, 1),
+            np.sign(sizes[[0, 0, 1]] - sizes[[1, 2, 2]]),
+            [1.0 if self.is_barely(c) else -1.0 for c in COMPONENTS],
+            [1.0 if self.readable[c] else -1.0 for c in COMPONENTS],
+            # Of a slide by its way, and by where between two it is told to go both.
+            [math.cos(angle), math.sin(angle), math.cos(4 * angle), math.sin(4 * angle)],
+            [2 * self.contact - 1, 1.0 if self.is_contact_known else -1.0],
+            [math.log(max(self.radius_px, 1.0)) - 3],
+        )
+        return np.concatenate(parts)
 
 
 def fused(belief: Belief, backwards: Belief) -> Belief:

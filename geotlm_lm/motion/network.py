@@ -86,9 +86,6 @@ AXES = 24
 READABLE = 0.5
 """Probability from which a component counts as readable."""
 
-BELIEF_NUMBERS = 18
-"""Of a Belief in one vector, as the language model reads it."""
-
 _AXIS_COUNTS = torch.tensor([1.0, 2.0])
 """Numbers of a turn and of a slide."""
 
@@ -190,23 +187,6 @@ class Beliefs:
         mass = (above - below).sum(dim=1) / 2
         mass = mass.clamp(min=1e-6)
         return mass / mass.sum(dim=1, keepdim=True)
-
-    def vector(self) -> Tensor:
-        """Return it in one vector, (b, BELIEF_NUMBERS), for the language model's prefix."""
-        return torch.cat(
-            [
-                torch.asinh(2 * self.path),
-                torch.asinh(self.inward_mm / 0.05)[:, None],
-                (self.path / self.noise[:, :3]).clamp(-20, 20) / 5,
-                (self.inward_mm / self.noise[:, 3]).clamp(-20, 20)[:, None] / 5,
-                self.deviation.log(),
-                self.moves.clamp(-8, 8) / 4,
-                torch.logit(self.sense, eps=1e-3)[:, None] / 4,
-                self.contact.clamp(-8, 8)[:, None] / 4,
-                self.radius_px.log()[:, None] - 3,
-            ],
-            dim=1,
-        )
 
 
 _PART_OF = torch.tensor([0, 1, 1, 2])
@@ -448,7 +428,6 @@ def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Be
     Doubt multiplies noise and spread, and flattens the probabilities.
     """
     own = beliefs.only(slice(place, place + 1))
-    numbers = tuple(own.vector()[0].tolist())
     own = replace(
         own,
         deviation=own.deviation * doubt,
@@ -483,7 +462,6 @@ def belief_of_one(beliefs: Beliefs, place: int = 0, *, doubt: float = 1.0) -> Be
         contact=_sigmoid(contact / doubt),
         radius_px=radius,
         readable=dict(zip(Component, readable, strict=True)),
-        numbers=numbers,
         limits=dict(zip(COMPONENTS, own.limits[0].tolist(), strict=True)),
     )
 

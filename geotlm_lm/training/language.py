@@ -1,8 +1,8 @@
 """Train the language model: English, what questions mean, what is felt in clips, and sentences.
 
 Each stage goes on from the weights of the one before and from its own last checkpoint. The last two
-leave how questions are read exactly as it was: of what is felt the projector learns, and of
-sentences layers above those that read. Two runs of one seed are alike, not equal: see
+leave how questions are read exactly as it was: they teach the projector what is felt, and the
+layers above those that read what is said of it. Two runs of one seed are alike, not equal: see
 `language_rows`.
 """
 
@@ -30,7 +30,7 @@ from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.language.decoder import LanguageModel, fresh, served, stored, with_speaking
 from geotlm_lm.language.size import LanguageSize
 from geotlm_lm.language.tokenizer import byte_pairs
-from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.query.program import MOST_SLOTS
 from geotlm_lm.query.quantities import find
 from geotlm_lm.query.reader import (
@@ -51,6 +51,7 @@ from geotlm_lm.training.grammar import Pair, grammar
 from geotlm_lm.training.labelled import KEPT, TUNE, labelled
 from geotlm_lm.training.language_rows import (
     POOL,
+    SENTENCE,
     Answers,
     Batch,
     Clips,
@@ -123,7 +124,7 @@ class LanguageTraining:
     english_steps: int = 2_000
     reading_steps: int = 7_000
     slots_steps: int = 2_000
-    sentences_steps: int = 2_500
+    sentences_steps: int = 3_000
     batch: int = 128
     warmup: int = 300
     dropout: float = 0.1
@@ -265,7 +266,8 @@ class _Stage:
             is_slot[slots] = 1
             model.embed_weight().register_hook(lambda gradient: gradient * is_slot)
         elif self.name == "sentences":
-            learned = model.speaking_parameters()
+            learned = {name: x for name, x in learned.items() if name.startswith("projector")}
+            learned |= model.speaking_parameters()
         for name, weight in model.named_parameters():
             weight.requires_grad_(name in learned)
         matrices, others = [], []
@@ -333,12 +335,11 @@ class _Stage:
             asked = max(int((wanted != UNASKED).sum()), 1) / ranks.count
             asked /= BESIDE if place else 1
             mine = Batch(*map(ranks.share, batch._replace(wanted=wanted)))
-            is_spoken = self.name == "sentences"
             for part, rows in in_parts(mine, ranks.kind):
                 shown = ranks.share(is_hidden)[rows, : part.ids.shape[1]]
                 seen = None if prefix is None else prefix[rows]
                 with ranks.bfloat16_products():
-                    loss = _loss(model, part, shown, seen, ranks.device, is_spoken)
+                    loss = _loss(model, part, shown, seen, ranks.device)
                 (loss / asked).backward()
                 total += loss.item() / asked
         total = ranks.average(model.parameters(), total)
@@ -353,7 +354,9 @@ class _Stage:
         numbers = torch.from_numpy(self.taught.sentences.numbers[batch.clip.numpy()]).float()
         token_width = model.projector.widths[0]
         noise = NOISE * torch.randn((len(numbers), token_width), generator=draws)
-        is_silent = torch.rand(len(numbers), generator=draws) < SILENT_SHARE
+        # Sentences are of the belief: they could not be learned from the fused token.
+        share = SILENT_SHARE if self.name == "slots" else 0.0
+        is_silent = torch.rand(len(numbers), generator=draws) < share
         mean, scale = model.projector.mean.cpu(), model.projector.scale.cpu()
         numbers = (numbers - mean) / scale
         numbers[:, :token_width] += noise
@@ -362,12 +365,7 @@ class _Stage:
 
 
 def _loss(
-    model: LanguageModel,
-    batch: Batch,
-    is_hidden: Tensor,
-    prefix: Tensor | None,
-    device: str,
-    is_spoken: bool = False,
+    model: LanguageModel, batch: Batch, is_hidden: Tensor, prefix: Tensor | None, device: str
 ) -> Tensor:
     """Return the summed cross entropy of what is wanted, in nats."""
     batch = Batch(*(each.to(device, non_blocking=True) for each in batch))
@@ -379,7 +377,8 @@ def _loss(
     if prefix is not None:
         made = model.projector.from_standardised(prefix.to(embedded.device)).to(embedded.dtype)
         embedded = torch.cat([made, embedded[:, made.shape[1] :]], dim=1)
-    states = model.states(embedded, sight(batch.kind), positions(batch.kind), is_spoken)
+    read, spoken = model.states(embedded, sight(batch.kind), positions(batch.kind))
+    states = torch.where((batch.kind == SENTENCE)[..., None], spoken, read)
     logits = model.logits(pad(states[is_wanted], (0, 0, 0, spare))).float()
     return cross_entropy(logits, labels, reduction="sum", ignore_index=UNASKED)
 

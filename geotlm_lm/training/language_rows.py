@@ -97,8 +97,10 @@ def laid(rows: Sequence[Row], slot_ids: Sequence[int] = ()) -> Batch:
             for name, part in zip((QUESTION, PROGRAM, SENTENCE), parts, strict=True)
             for _ in part
         ]
-        # A program's words follow from the question, a sentence's from its beginning.
-        asked = [UNASKED] * len(row.question) + row.program
+        # A program's words follow from the question, a sentence's from its beginning. What is
+        # spoken of has been read by layers that learn no more.
+        program = [UNASKED] * len(row.program) if row.sentence else row.program
+        asked = [UNASKED] * len(row.question) + program
         asked += [UNASKED] * bool(row.sentence) + row.sentence[1:]
         asked = [*asked, UNASKED][1:]
         if before:
@@ -297,6 +299,7 @@ class Answers:
         ends = [place * len(rows) // POOL for place in range(POOL + 1)]
         slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
         parts = [laid(rows[start:end], slots) for start, end in pairwise(ends)]
+        parts = [_with_words(part, self.sentences, self.spelling) for part in parts]
         return [parts[place] for place in rng.permutation(POOL)]
 
     @cached_property
@@ -325,18 +328,19 @@ class Clips:
         """Return the clips of `POOL` steps, `count` each."""
         drawn = rng.choice(len(self.sentences.numbers), size=(POOL, count))
         slots = [self.spelling.id_of[token] for token in SLOT_TOKENS]
-        return [self._asked(laid([Row([], clip=clip) for clip in row], slots)) for row in drawn]
+        parts = (laid([Row([], clip=clip) for clip in row], slots) for row in drawn)
+        return [_with_words(part, self.sentences, self.spelling) for part in parts]
 
-    def _asked(self, batch: Batch) -> Batch:
-        """Return a batch with the slots' words asked."""
-        words = [[self.spelling.id_of[word] for word in words] for words in SLOTS.values()]
-        wanted = batch.wanted.clone()
-        at = (batch.kind[0] == SLOT).nonzero()[:, 0]
-        for place, ids in enumerate(words):
-            true_words = self.sentences.words[batch.clip.numpy(), place]
-            asked = [ids[word] if word != UNASKED else UNASKED for word in true_words]
-            wanted[:, at[place]] = torch.tensor(asked)
-        return batch._replace(wanted=wanted)
+
+def _with_words(batch: Batch, sentences: Sentences, spelling: Spelling) -> Batch:
+    """Return a batch with the true words at its clips' slots asked."""
+    wanted = batch.wanted.clone()
+    places = (batch.kind[0] == SLOT).nonzero()[:, 0]
+    for slot, (place, words) in enumerate(zip(places, SLOTS.values(), strict=True)):
+        # What is unasked counts from the end.
+        ids = torch.tensor([*(spelling.id_of[word] for word in words), UNASKED])
+        wanted[:, place] = ids[torch.from_numpy(sentences.words[batch.clip.numpy(), slot]).long()]
+    return batch._replace(wanted=wanted)
 
 
 def steps_from(

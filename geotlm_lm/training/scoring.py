@@ -18,8 +18,9 @@ from geotlm_lm.core.labels import ROTATIONS, SLIDES, Motion, MotionLabel
 from geotlm_lm.core.record import RunRecord
 from geotlm_lm.core.twist import COMPONENTS
 from geotlm_lm.language.size import SLOTS
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.motion.measured import Measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.motion.network import belief_of_one
 from geotlm_lm.probe.linear import LinearProbe
 from geotlm_lm.query.program import WAY_ATOMS
 from geotlm_lm.simulation.gels import GELS, HELD_OUT_GELS, TRAINING_GELS, Print
@@ -44,9 +45,12 @@ class ClipSet:
         """Return the rows whose motion leaves a trace in the image."""
         return [row for row, label in enumerate(self.labels) if label.is_readable]
 
+    @torch.no_grad()
     def readings(self, bundle: Bundle) -> Tensor:
         """Return what the language model of `bundle` reads of each clip, (n, width)."""
-        return reading_of(self.fused_tokens, bundle.motion(self.measured))
+        beliefs = bundle.motion(self.measured)
+        each = (belief_of_one(beliefs, row) for row in range(len(self.labels)))
+        return reading_of(self.fused_tokens, each)
 
 
 def felt_likelihoods(

@@ -24,8 +24,9 @@ from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.record import commit, machine
 from geotlm_lm.model import GeoTLM
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.motion.measured import Measured, measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS, MotionNetwork
+from geotlm_lm.motion.network import MotionNetwork
 from geotlm_lm.query.reader import Reader
 from geotlm_lm.training import english
 from geotlm_lm.training.calibration import (
@@ -72,7 +73,7 @@ from geotlm_lm.training.sentences import read_sentences, write_sentences
 STARTS = ("language", "reading", "slots", "sentences")
 """Stages before which a bundle may be taken as it is."""
 
-PER_CLIP = 16
+PER_CLIP = 32
 """Questions asked about each clip that answers are written about."""
 
 

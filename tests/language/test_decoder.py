@@ -67,7 +67,7 @@ def states_of(model, spelling, row, numbers=None, is_spoken=False):
             prefix = model.projector(torch.from_numpy(numbers)[None])
             embedded = torch.cat([prefix, embedded[:, PREFIX:]], dim=1)
         places = sight(batch.kind), positions(batch.kind)
-        states = model.states(embedded, *places, is_spoken)[0]
+        states = model.states(embedded, *places)[is_spoken][0]
     return states[: int((batch.kind[0] > 0).sum())]
 
 

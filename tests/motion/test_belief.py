@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from geotlm_lm.core.edit import BACKWARDS, MIRRORED
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, WAYS, Component, Twist
-from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
+from geotlm_lm.motion.belief import BELIEF_NUMBERS, Belief, fused, kept_from_zero
 
 SHARES = st.floats(0, 1)
 
@@ -128,3 +128,23 @@ def test_a_span_of_what_is_told_is_kept_from_zero_and_no_other():
     kept = kept_from_zero(belief)
     assert 1.645 * kept.deviation(Component.TURN) == pytest.approx(0.95 * 5)
     assert kept.deviation(Component.SLIDE) == belief.deviation(Component.SLIDE)
+
+
+@given(beliefs())
+def test_its_vector_is_finite_and_turns_round_with_the_clip(belief):
+    forwards, backwards = belief.vector(), belief.seen(BACKWARDS).vector()
+    assert forwards.shape == backwards.shape == (BELIEF_NUMBERS,)
+    assert np.isfinite(forwards).all()
+    signed, lengths = slice(0, 5), slice(5, 15)
+    np.testing.assert_allclose(backwards[signed], -forwards[signed], atol=1e-9)
+    np.testing.assert_allclose(backwards[lengths], forwards[lengths], atol=1e-6)
+
+
+@given(beliefs())
+def test_its_vector_tells_what_is_decided(belief):
+    moves, order = belief.vector()[23:26], belief.vector()[26:29]
+    assert (moves >= 0).tolist() == [belief.moves(c) >= 0.5 for c in COMPONENTS]
+    ranks = dict.fromkeys(COMPONENTS, -3)
+    ranks |= {component: -place for place, component in enumerate(belief.by_size())}
+    turn, slide, press = (ranks[c] for c in COMPONENTS)
+    assert order.tolist() == np.sign([turn - slide, turn - press, slide - press]).tolist()

@@ -15,7 +15,7 @@ from geotlm_lm.backbone.motions import MOTIONS_SHAPE
 from geotlm_lm.backbone.stem import PATCH_INPUT_DIM
 from geotlm_lm.core.labels import Motion, MotionLabel
 from geotlm_lm.language.size import LanguageSize
-from geotlm_lm.motion.network import BELIEF_NUMBERS
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.training import language
 from geotlm_lm.training import ranks as ranks_module
 from geotlm_lm.training.config import SMOKE

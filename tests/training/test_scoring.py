@@ -6,8 +6,8 @@ import torch
 
 from geotlm_lm.core.labels import DIRECTED, Motion, MotionLabel
 from geotlm_lm.language.size import SLOTS
+from geotlm_lm.motion.belief import BELIEF_NUMBERS
 from geotlm_lm.motion.measured import CANDIDATES, Measured
-from geotlm_lm.motion.network import BELIEF_NUMBERS
 from geotlm_lm.query.program import ATOM_OF
 from geotlm_lm.query.speaker import TactilePrefix
 from geotlm_lm.training.scoring import ClipSet, felt_likelihoods, felt_scores, score_bundle
