@@ -29,7 +29,7 @@ class Judgement:
 
 
 def judge_motion(
-    told: Value,
+    value: Value,
     twist: Twist,
     moves: Mapping[Component, bool | None],
     is_visible: Mapping[Component, bool],
@@ -42,18 +42,18 @@ def judge_motion(
     amount within the tolerance, and none that rests.
 
     Args:
-        told: Of an open question, lengths in pixels of the 224-pixel image; no `Moved` is withheld.
+        value: Answer to an open question, lengths in pixels of the 224-pixel image; no `Moved` is withheld.
         twist: The true motion.
         moves: Whether each component moves; None where that is too little to be graded.
         is_visible: Whether the picture shows it.
         touches: Whether anything touches the gel.
     """
-    if not isinstance(told, Moved):
+    if not isinstance(value, Moved):
         own, rest = {}, None
     else:
-        own, rest = {move.component: move for move in told.movements}, told.rest
+        own, rest = {move.component: move for move in value.movements}, value.rest
     if not touches:
-        is_right = isinstance(told, Moved) and rest is Motion.NONE and not own
+        is_right = isinstance(value, Moved) and rest is Motion.NONE and not own
         return Judgement(is_right, f"{'correct' if is_right else 'wrong'}: nothing touched the gel")
     right, wrong, unseen = {}, ["touched the gel"] * (rest is Motion.NONE), []
     for component in COMPONENTS:
@@ -67,7 +67,7 @@ def judge_motion(
             wrong.append(f"{did}, not {fault}")
         elif move is not None:
             right[component] = did
-    if not isinstance(told, Moved):
+    if not isinstance(value, Moved):
         return Judgement(False, f"not told: it {joined([*wrong, *unseen] or ['did not move'])}")
     if wrong:
         sound = f"correct about {joined([f'the {part}' for part in right])};" if right else "wrong:"
@@ -99,10 +99,10 @@ def _fault(move: Movement, true: Movement) -> str:
     """Return what is wrong about a movement, in the words it was told; empty if nothing is."""
     if not _goes_alike(move, true):
         return _did(move) if move.component is Component.PRESS else way_phrase(move)
-    told = move.amount
-    if told is None or within_tolerance(abs(told.value), true.amount.mean, told.unit):
+    far = move.amount
+    if far is None or within_tolerance(abs(far.value), true.amount.mean, far.unit):
         return ""
-    return amount_phrase(told)
+    return amount_phrase(far)
 
 
 def _goes_alike(move: Movement, true: Movement) -> bool:
