@@ -42,7 +42,8 @@ def judge_motion(
     amount within the tolerance, and none that rests.
 
     Args:
-        value: Answer to an open question, lengths in pixels of the 224-pixel image; no `Moved` is withheld.
+        value: Answer to an open question, lengths in pixels of the 224-pixel image; one that is no
+            `Moved` is withheld.
         twist: The true motion.
         moves: Whether each component moves; None where that is too little to be graded.
         is_visible: Whether the picture shows it.
