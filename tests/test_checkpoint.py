@@ -127,7 +127,7 @@ OTHER_STEM = with_config(
             lambda bundle: (bundle / "config.json").unlink(),
             ": found no model bundle there (no config.json); give the folder that",
         ),
-        (OTHER_FORMAT, ": the bundle has format 99, this version reads 12; train it again or"),
+        (OTHER_FORMAT, ": the bundle has format 99, this version reads 13; train it again or"),
         (OTHER_STEM, f"(patch inputs have {PATCH_INPUT_DIM + 1} numbers"),
         (with_truncated_weights, ": perception.safetensors does not fit config.json ("),
         (

@@ -119,7 +119,8 @@ class Belief:
         lengths = to_px * [self.path(c) for c in COMPONENTS]
         limits = to_px * [self.limits.get(c, 0.0) for c in COMPONENTS]
         moves = np.array([self.moves(c) for c in COMPONENTS])
-        sizes = np.where(moves >= 0.5, lengths, 0.0)
+        by_size = {component: -place for place, component in enumerate(self.by_size())}
+        ranks = np.array([by_size.get(c, -len(COMPONENTS)) for c in COMPONENTS])
         angle = math.atan2(down, right)
         parts = (
             np.arcsinh([2 * arc, turn, 2 * right, 2 * down, inward / 0.05]),
@@ -128,7 +129,7 @@ class Belief:
             np.log(limits + 0.03),
             [2 * self.ways[way] - 1 for c in COMPONENTS for way in WAYS[c]],
             np.clip(20 * (moves - 0.5), -1, 1),
-            np.sign(sizes[[0, 0, 1]] - sizes[[1, 2, 2]]),
+            np.sign(ranks[[0, 0, 1]] - ranks[[1, 2, 2]]),
             [1.0 if self.is_barely(c) else -1.0 for c in COMPONENTS],
             [1.0 if self.readable[c] else -1.0 for c in COMPONENTS],
             # Of a slide by its way, and by where between two it is told to go both.

@@ -128,11 +128,12 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
         return None
     going = net if context.now is None else going_on
     twist = np.broadcast_to(going(context, component)[0], (COUNT, 4))
-    # How far it goes each way on the mean; of two ways the rarer does not cancel the other.
+    # How far it goes each way on the mean; of two ways the rarer does not cancel the other, nor is
+    # it told where another is likelier than not.
     axes = {way: AXIS[ATOM_OF[way]] for way in WAYS[component]}
     along = {way: np.maximum(twist[moves] @ axis, 0).mean() for way, axis in axes.items()}
-    way = max(along, key=along.__getitem__)
     goes = {each: holds(context, ATOM_OF[each]) for each in along}
+    way = max(along, key=lambda each: (goes[each].mean() >= 0.5, along[each]))
     aslant = _aslant(goes, way) if component is Component.SLIDE else None
     right = moves & (goes[way] if aslant is None else goes[way] | goes[aslant])
     far_px = float(np.median(path_px(component, twist, belief.radius_px)[moves]))
