@@ -162,7 +162,7 @@ async function showStream(value) {
 
 function endLive(stream) {
   if (!data || data.stream !== stream) return;
-  const isStopped = performance.now() - cameraClicked < 2 * STALE_MS; // by hand
+  const isStopped = performance.now() - cameraClicked < 1.5 * STALE_MS; // by hand
   data = { ...data, live: false, notes: isStopped ? data.notes : [SILENT, ...data.notes] };
   title();
   shownAsPlaying();

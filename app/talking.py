@@ -60,11 +60,13 @@ class Talking:
         seen = getattr(answer, "in_the_image", None)  # not of two recordings
         direction = None if seen is None else seen.value
         redrawn = frame.mm_per_px != size_before
+        # A field that the question did not fill may have been filled meanwhile.
+        is_sized = (frame.mm_per_px or 0) != (mm_per_px or 0)
         yield {
             "chat": exchanges(session),
             "last": direction,
             "frame": stated,
-            "mm_per_px": frame.mm_per_px or 0,
+            **({"mm_per_px": frame.mm_per_px or 0} if is_sized else {}),
             "framed": in_frame(stated, direction),
             "chips": suggested(shown),
             **(self.redraw(shown) if redrawn else {}),
