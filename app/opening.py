@@ -134,7 +134,7 @@ class Opening:
         """Open what was uploaded last; close everything where all was taken away."""
         given = latest_upload(paths)
         if not given:
-            yield _closed(*before) | fields_of(None)
+            yield _closed(*before) | file_fields(None)
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
         for values in self._open(source, *before, is_second=_is_paired(*before)):
@@ -208,7 +208,7 @@ class Opening:
         What was open before is closed first: it must not answer for this one. It is open again
         where this one cannot be read, unless only the topic of a bag is missing.
         """
-        closed = {} if is_second else _closed(*before) | fields_of(source) | {"source": source}
+        closed = {} if is_second else _closed(*before) | file_fields(source) | {"source": source}
         name, reading = "stage_second" if is_second else "stage", Reading()
         try:
             recording = read_named(source.path, source.topic)
@@ -239,7 +239,7 @@ class Opening:
     ) -> Filled:
         """Return what the page shows of what was open before, or of nothing."""
         if shown is None:
-            return _closed(facts, mm_per_px) | fields_of(None)
+            return _closed(facts, mm_per_px) | file_fields(None)
         values = _shown(shown, facts) | {"mm_per_px": mm_per_px or 0}
         if shown.session.history and self._talking is not None:
             last = shown.session.history[-1].answer
@@ -279,7 +279,7 @@ def nothing_asked(shown: LoadedClip | None) -> Filled:
     return {"chat": exchanges(None), "evidence": about_clip(shown), "code": "", "last": None}
 
 
-def fields_of(source: Source | None) -> Filled:
+def file_fields(source: Source | None) -> Filled:
     """Return the file and the part of it that is read, as the fields of the page hold them."""
     source = source or Source(None, "")
     first, last = source.span or ("", "")
@@ -289,7 +289,7 @@ def fields_of(source: Source | None) -> Filled:
 
 def _shown(shown: LoadedClip, facts: list[str]) -> Filled:
     """Return all that the page shows of a recording, before anything was asked."""
-    values = _closed(facts) | nothing_asked(shown) | fields_of(shown.source)
+    values = _closed(facts) | nothing_asked(shown) | file_fields(shown.source)
     values |= {"shown": shown, "source": shown.source, "chips": suggested(shown)}
     values |= {"stage_second": CHOOSING if shown.is_paired else {}, "saving": offered(shown)}
     return values | stage.stages_of(shown)

@@ -173,12 +173,15 @@ class Answer:
     @property
     def places(self) -> list[int]:
         """Which of two clips each part is about: 0 the first, 1 the second, or if none is named."""
-        parts = (set(part.split()) for part in self.query.split(";"))
-        return [int(part.isdisjoint(("of-first", "of-previous"))) for part in parts]
+        parts = ({each.word for each in answer} for answer in self.resumed.answers)
+        return [int(words.isdisjoint(("of-first", "of-previous"))) for words in parts] or [1]
 
     def naming(self, first: str, second: str) -> Answer:
-        """Return the answer that names which of two recordings it is about; talk and JSON stay."""
-        if self.kind in ("talk", "fact") or self.text.startswith(("{", "[")):
+        """Return the answer that names which of two recordings it is about; a form stays as it is.
+
+        So does talk.
+        """
+        if self.kind in ("talk", "fact") or self.resumed.form != "sentence":
             return self
         both = f"{first}, the first", f"{second}, the second"
         names = "; ".join(both[place] for place in dict.fromkeys(self.places))

@@ -160,6 +160,9 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
         "dark.npy, the second).",
         "cap, the first).",
     ]
+    tracked.session.answerer.bundle.reader.lines["One word: which way?"] = "way all ; as word"
+    *_, formed = talking.ask("One word: which way?", both, [], None)
+    assert " " not in formed["chat"]["exchanges"][-1]["answer"]  # what was asked for, nothing more
     assert second["evidence"]["about"] == list(both.second.encoded.clip.notes)
     assert first["evidence"]["about"] == list(both.encoded.clip.notes)
     *_, forgotten = talking.forget(both, [])
@@ -168,7 +171,7 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
     assert (closed["stage_second"], closed["shown"].second) == ({}, None)
     assert "scale" not in closed["stage"]
     session = closed["shown"].session
-    assert (len(session.clips), len(session.history)) == (1, 3)
+    assert (len(session.clips), len(session.history)) == (1, 4)
 
 
 @pytest.fixture
