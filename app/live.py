@@ -73,9 +73,10 @@ NOW = re.compile(
     r"(?<!\bby )(?<!\bto )(?<!\buntil )(?<!\btill )\bnow\b|\b(currently|at the moment)\b",
     re.IGNORECASE,
 )
+"""What a question asks of the present by; of what happened by now it is asked of all."""
+
 NOW_S = 0.4
-"""What a question asks of the present by, and how far back that reaches; of what happened by now it
-is asked of all."""
+"""How far back the present reaches."""
 
 NO_GEL_YET = (
     "No untouched gel was seen yet, so that nothing is followed; let go of what touches it for a "
