@@ -261,19 +261,19 @@ def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.Tra
 
 def _event_seen(event: dict[str, Any], edit: Any) -> dict[str, Any]:
     way = None if event["way"] is None else edit.of_way(Motion(event["way"])).value
-    if event.get("amount", 0.0) < 0:  # amounts are how far it goes the way that is named
+    if (event.get("amount") or 0.0) < 0:  # amounts are how far it goes the way that is named
         event |= _negated(event)
     return event | {"way": way}
 
 
 def _totals_seen(totals: dict[str, Any], edit: Any) -> dict[str, Any]:
-    net = totals["turn_net"]
-    right, down = edit.matrix[1:3, 1:3] @ (totals["slide_right"], totals["slide_down"]) + 0.0
-    return totals | {
-        "turn_net": net if edit.matrix[0, 0] > 0 else net | _negated(net),
-        "slide_right": float(right),
-        "slide_down": float(down),
-    }
+    net, way = totals["turn_net"], (totals["slide_right"], totals["slide_down"])
+    if net["amount"] is not None and edit.matrix[0, 0] < 0:
+        totals = totals | {"turn_net": net | _negated(net)}
+    if None in way:  # the pictures do not tell how far
+        return totals
+    right, down = edit.matrix[1:3, 1:3] @ way + 0.0
+    return totals | {"slide_right": float(right), "slide_down": float(down)}
 
 
 def _row_seen(row: dict[str, Any], unit: str, edit: Any) -> dict[str, float]:

@@ -254,18 +254,22 @@ class Listing(TypedDict):
 
 
 class Measured(TypedDict):
-    """An amount and the span it lies in nine times in ten, in `unit`."""
+    """An amount and the span it lies in nine times in ten, in `unit`.
 
-    amount: float
-    low: float
-    high: float
+    None where the pictures do not tell how far.
+    """
+
+    amount: float | None
+    low: float | None
+    high: float | None
     unit: str
 
 
 class TrackEvent(TypedDict):
     """What happened from `begin` to `end`, in frame numbers and seconds, and how probable it is.
 
-    `way` is that of a turn or a slide, as the frame tells it; a touch and a rest have no amount.
+    `way` is that of a turn or a slide, as the frame tells it; a touch and a rest have no amount,
+    and it is none where the pictures do not tell how far.
     """
 
     event: str
@@ -274,7 +278,7 @@ class TrackEvent(TypedDict):
     end: int
     begin_s: float
     end_s: float
-    amount: NotRequired[float]
+    amount: NotRequired[float | None]
     low: NotRequired[float]
     high: NotRequired[float]
     unit: NotRequired[str]
@@ -297,8 +301,8 @@ class Totals(TypedDict):
     turned_back: int
     slide_net: Measured
     slide_limit: float
-    slide_right: float
-    slide_down: float
+    slide_right: float | None  # none where the pictures do not tell how far
+    slide_down: float | None
     slide_in_all: Measured
 
 

@@ -376,9 +376,15 @@ def _event(band: Any, axis_unit: str) -> dict[str, Any]:
         "begin": round(float(begin), 4),
         "end": round(float(end), 4),
         "size": round(abs(float(event.amount.mean)), 3),
-        "span": f"{_figure(band.low)} to {_figure(band.high, unit)}" if unit else "",
+        "span": _span(band, unit),
         "sure": round(100 * event.probability),
     }
+
+
+def _span(band: Any, unit: str) -> str:
+    if not band.event.is_readable:
+        return "the pictures do not tell how far"
+    return f"{_figure(band.low)} to {_figure(band.high, unit)}" if unit else ""
 
 
 def _figure(value: float, unit: str = "") -> str:

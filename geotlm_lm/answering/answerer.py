@@ -29,6 +29,7 @@ from geotlm_lm.core.errors import check_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import FRAME_COUNT
 from geotlm_lm.core.process import Progress, silent
+from geotlm_lm.core.twist import Component
 from geotlm_lm.language.size import SLOTS
 from geotlm_lm.query.phrases import unit_phrase
 from geotlm_lm.query.program import Program, asks_of_two, head_of, type_of
@@ -117,7 +118,19 @@ class Answerer:
             TypeError: If it is no clip, such as a path.
         """
         _require_clip(recording, "track")
-        return track_recording(self.bundle, require_motion(recording), progress)
+        track = track_recording(self.bundle, require_motion(recording), progress)
+        return self.seen_closely(recording, track)
+
+    def seen_closely(self, recording: Clip, track: Track) -> Track:
+        """Return a track with events that say whether the pictures tell how far they go.
+
+        Four frames of the main event are looked at for this, as for an answer; a track of four
+        frames or fewer says so already.
+        """
+        moves = track.of(Component.TURN) or track.of(Component.SLIDE)
+        if len(track) <= FRAME_COUNT or not moves:
+            return track
+        return self.encode(recording, track=track).track
 
     def tracker(self, recording: Clip | None = None) -> Tracker:
         """Return what follows frames that are fed to it one by one; its end is a `Track`.

@@ -212,13 +212,15 @@ def perceive_recording(
     if not part.is_contact_known:
         # What was compared with is a guess, or not there.
         window = replace(window, is_contact_known=False, is_changed=False, is_faint=False)
+    belief = belief_of(bundle, window)
+    part = part.as_readable(belief.readable)
     timing = window.timing_ms | {"track": 1e3 * (time.perf_counter() - started)}
     return replace(
         window,
         timing_ms=timing,
         track=part,
         recording=clip,
-        believe=partial(_belief, bundle, part, window),
+        believe=partial(_belief, part, belief),
         prefix_by=partial(prefix_of, bundle),
     )
 
@@ -229,8 +231,8 @@ def with_found_idle(clip: Clip) -> Clip:
     return clip if idle is None else replace(clip, background=idle)
 
 
-def _belief(bundle: Bundle, track: Track, window: Encoded, _: Encoded) -> Belief:
-    return belief_of_track(track, belief_of(bundle, window))
+def _belief(track: Track, window: Belief, _: Encoded) -> Belief:
+    return belief_of_track(track, window)
 
 
 def _four(clip: Clip) -> Clip:

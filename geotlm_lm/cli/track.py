@@ -36,6 +36,8 @@ INTERRUPTED = 130
 NO_EVENTS = "Nothing touches in the recording."
 NO_MOTION = "Nothing turns or slides in the recording."
 
+UNREADABLE = "{}; the pictures do not tell how far"
+
 HEAD = ("begin", "end", "what", "how far", "likely", "sure")
 WIDTHS = (21, 8, 14, 4)
 
@@ -119,7 +121,7 @@ def _tracked(
         if done < 2 or (span is not None and done <= span[0] + 1):
             raise
     show("tracking", done, done if is_stopped else total)
-    whole = tracker.finish()
+    whole = answerer.seen_closely(clip, tracker.finish())
     if span is None:
         return whole, is_stopped
     return whole.between(span[0], min(span[1], int(whole.numbers[-1]))), is_stopped
@@ -161,7 +163,7 @@ def event_line(event: Event, units: Units, *, in_frames: bool = False) -> str:
 
     ends = (event.begin, event.end) if in_frames else (event.begin_s, event.end_s)
     begin, end = (f"{number}" if in_frames else f"{number:.2f} s" for number in ends)
-    band, far, likely = band_of(event, units), "", ""
+    band, far, likely = band_of(event, units), "" if event.is_readable else "not seen", ""
     if band.unit:
         far = f"{plain(band.amount)} {band.unit}"
         likely = f"{plain(band.low)} to {plain(band.high)}"
@@ -191,19 +193,22 @@ def totals_lines(exported: Exported) -> list[str]:
         if touched_s is None
         else (f"touched for {touched_s:.2f} s")
     )
-    sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
-    turned = (
-        f"Turned by {plain(abs(turn['amount']))} degrees {sense} from first to last, "
-        f"{plain(way['amount'])} there and back."
-    )
-    slid = (
-        f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there and "
-        f"back"
-    )
+    turned, slid = UNREADABLE.format("Turned"), UNREADABLE.format("Slid")
+    if turn["amount"] is not None:
+        sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
+        turned = (
+            f"Turned by {plain(abs(turn['amount']))} degrees {sense} from first to last, "
+            f"{plain(way['amount'])} there and back"
+        )
+    if slide["amount"] is not None:
+        slid = (
+            f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there "
+            f"and back"
+        )
     limits = [totals["turn_limit"], totals["slide_limit"]]
     turn_beyond, slide_beyond = ("" if x is None else f" by more than {plain(x)}" for x in limits)
-    if not way["amount"]:
-        turned = f"Does not turn{turn_beyond}{' degrees' * bool(turn_beyond)}."
-    if not far["amount"]:
+    if way["amount"] == 0:
+        turned = f"Does not turn{turn_beyond}{' degrees' * bool(turn_beyond)}"
+    if far["amount"] == 0:
         slid = f"Does not slide{slide_beyond}{f' {unit}' * bool(slide_beyond)}"
-    return [turned, f"{slid}; {touched}."]
+    return [f"{turned}.", f"{slid}; {touched}."]

@@ -210,7 +210,8 @@ def watch(
         answerer, tracker, stream, question, scale, as_json=as_json, waiting=waiting
     )
     ended = watching.follow(outputs.video, is_square=bool(pixels.square_pixels))
-    exported = Exported(watching.tracker.finish(), scale)
+    track = watching.tracker.finish()
+    exported = Exported(track if whole is None else answerer.seen_closely(whole, track), scale)
     if waiting is None or as_json:
         watching.conclude(exported)
     if len(exported.track):

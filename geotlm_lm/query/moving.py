@@ -294,8 +294,8 @@ def shown(context: Context, happening: Happening) -> Shown:
     """Return a happening as it is told."""
     is_real = happening.is_real
     mean = happening.twist[is_real].mean(axis=0) if is_real.any() else np.zeros(4)
-    amount = None
-    if happening.component is not None and happening.begin_s < happening.end_s:
+    amount, readable = None, context.worlds.belief.readable.get(happening.component, True)
+    if readable and happening.component is not None and happening.begin_s < happening.end_s:
         numbers = measured(context, happening.component.value, happening.twist)
         amount, _ = spread(numbers, is_real, replace(context, trace=Trace(reason="none-such")))
     path = float(np.median(happening.path_px[is_real])) if is_real.any() else 0.0

@@ -198,6 +198,7 @@ class Event:
     is_let_go: bool = False  # whether contact ends with it
     # numbers of the frames from and to which it creeps besides; the amount is that of all of it
     creeps: tuple[int, int] | None = None
+    is_readable: bool = True  # whether the pictures tell how far it goes
 
     @property
     def motion(self) -> Motion:

@@ -74,8 +74,13 @@ class Units:
         return right_px * across, down_px * down
 
     def amount(self, event: Event) -> tuple[Span, str] | None:
-        """Return how far an event goes, signed, and the unit; None of a touch or a rest."""
-        if event.component is None or (event.begin == event.end and not event.amount.mean):
+        """Return how far an event goes, signed, and the unit.
+
+        None of a touch or a rest, and where the pictures do not tell how far.
+        """
+        if event.component is None or not event.is_readable:
+            return None
+        if event.begin == event.end and not event.amount.mean:
             return None
         if event.component is not Component.SLIDE:
             return event.amount, UNITS[event.component]
@@ -102,6 +107,8 @@ class Units:
         amount = self.amount(event)
         if amount is not None:
             facts |= _plain(amount[0]) | {"unit": amount[1]}
+        if not event.is_readable:
+            facts |= {"amount": None}
         return facts | {"probability": round(event.probability, 4)}
 
 
@@ -132,28 +139,35 @@ class Exported:
         """Return what the whole track comes to, as plain JSON values.
 
         What is net is from the first frame to the last; in all, the sum of what events go there and
-        back. How long it is touched is None where contact is not known. A limit is what it would
-        have had to go at the least to be an event; None where nothing touches.
+        back; None where the pictures do not tell how far. How long it is touched is None where
+        contact is not known. A limit is what it would have had to go at the least to be an event;
+        None where nothing touches.
         """
         track, net, units = self.track, self.track.net_twist, self.units
         touched_s = round(sum(last - first for first, last in track.contacts()), 4)
         right, down = units.travelled(net.right_px, net.down_px)
         slide = units.slide(track.net(Component.SLIDE), (net.right_px, net.down_px))
-        slides = [units.amount(event)[0] for event in track.of(Component.SLIDE)]
+        slides = [units.slide(event.amount, (event.twist.right_px, event.twist.down_px))
+                  for event in track.of(Component.SLIDE)]  # fmt: skip
         path = Span(sum(slide.mean for slide in slides), sum(slide.deviation for slide in slides))
+        turns = track.net(Component.TURN), track.path(Component.TURN)
+        if not track.is_readable(Component.TURN):
+            turns = None, None
+        if not track.is_readable(Component.SLIDE):
+            slide = path = right = down = None
         limits = {component: round(float(far), 3) for component, far in self.limits().items()}
         return {
             "frames": len(track),
             "seconds": round(track.seconds, 4),
             "touched_s": touched_s if track.is_contact_known else None,
-            "turn_net": _plain(track.net(Component.TURN)) | {"unit": "deg"},
+            "turn_net": _plain(turns[0]) | {"unit": "deg"},
             "turn_limit": limits.get(Component.TURN),
-            "turn_in_all": _plain(track.path(Component.TURN)) | {"unit": "deg"},
+            "turn_in_all": _plain(turns[1]) | {"unit": "deg"},
             "turned_back": track.turned_back(),
             "slide_net": _plain(slide) | {"unit": units.name},
             "slide_limit": limits.get(Component.SLIDE),
-            "slide_right": round(float(right), 3),
-            "slide_down": round(float(down), 3),
+            "slide_right": None if right is None else round(float(right), 3),
+            "slide_down": None if down is None else round(float(down), 3),
             "slide_in_all": _plain(path) | {"unit": units.name},
         }
 
@@ -232,6 +246,8 @@ def _way(event: Event) -> str | None:
     return None
 
 
-def _plain(span: Span) -> dict[str, float]:
+def _plain(span: Span | None) -> dict[str, float | None]:
+    if span is None:
+        return dict.fromkeys(("amount", "low", "high"))
     numbers = {"amount": span.mean, "low": span.low, "high": span.high}
     return {name: round(float(value), 3) for name, value in numbers.items()}

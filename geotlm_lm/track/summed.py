@@ -175,6 +175,7 @@ def _events(rows: Sequence[Row], belief: Belief) -> list[Event]:
             amount=_amount(belief, component),
             probability=belief.moves(component),
             component=component,
+            is_readable=belief.readable.get(component, True),
         )
         for component in COMPONENTS
         if belief.moves(component) >= 0.5

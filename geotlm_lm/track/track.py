@@ -225,6 +225,17 @@ class Track:
         }[component]
         return tuple(event for event in self.events if event.kind in kinds)
 
+    def is_readable(self, component: Component) -> bool:
+        """Tell whether the pictures tell how far a component goes."""
+        return all(event.is_readable for event in self.of(component))
+
+    def as_readable(self, readable: Mapping[Component, bool]) -> Track:
+        """Return the track with events that say whether the pictures tell how far they go."""
+        events = (
+            replace(event, is_readable=readable.get(event.component, True)) for event in self.events
+        )
+        return replace(self, events=tuple(events))
+
     def turned_back(self) -> int:
         """Return how often a turn was followed by one the other way."""
         signs = [event.amount.mean > 0 for event in self.of(Component.TURN)]

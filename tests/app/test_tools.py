@@ -7,9 +7,11 @@ from app import schema as p
 from app.api import Api, summary_of
 from app.tools import OUR_FAULT, Tool
 from geotlm_lm import GeoTLMError
+from geotlm_lm.core.twist import Component
 from geotlm_lm.simulation.touch import RANGES
 from geotlm_lm.track.tracker import track_of
 from tests.track.recordings import there_and_back
+from tests.track.tracks import happened, track_of_events
 
 
 def double(number: p.bounded(0.0, 2.0, "A number.") = 1.0) -> dict[str, float]:
@@ -87,6 +89,17 @@ def test_a_turn_reverses_where_one_looks_from_the_other_side(track, recording):
     assert (net["amount"], net["low"], net["high"]) == (
         -other["amount"], -other["high"], -other["low"],
     )  # fmt: skip
+
+
+def test_how_far_is_none_where_the_pictures_do_not_tell_it(track, recording):
+    unseen = track.as_readable({Component.TURN: False})
+    result = summary(unseen, recording, viewpoint="object")
+    assert ways(result) == ["counterclockwise", "clockwise"]
+    assert {one["amount"] for one in result["events"] if one["event"] == "turn"} == {None}
+    assert result["totals"]["turn_net"]["amount"] is None
+    slid = track_of_events([happened("touch", 5, 5), happened("slide", 20, 40, right=8)])
+    unseen = summary(slid.as_readable({Component.SLIDE: False}), recording, turned=90)
+    assert unseen["totals"]["slide_right"] is None is unseen["totals"]["slide_in_all"]["low"]
 
 
 @pytest.mark.parametrize(

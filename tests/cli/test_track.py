@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 import pytest
 
+from geotlm_lm.core.twist import Component
 from geotlm_lm.recordings import policy
 from geotlm_lm.recordings.idle import estimate_background
 from geotlm_lm.track.rerun_log import log_clip, rerun_recording, viewer
@@ -46,6 +47,21 @@ def test_events_are_a_table_with_times_amounts_and_totals(capsys, path):
     assert lines[0].split()[4] == "touch"
     assert any("degrees clockwise from first to last" in line for line in lines)
     assert "tracking: 105 of 105 frames" in err
+
+
+def test_how_far_is_not_told_where_the_pictures_do_not_tell_it(capsys, path, monkeypatch):
+    def seen_closely(self, recording, track):
+        return track.as_readable({Component.TURN: False})
+
+    monkeypatch.setattr(Measuring, "seen_closely", seen_closely)
+    _, out, _ = run(capsys, path)
+    turns = [line for line in out.splitlines() if "  turn " in line]
+    assert turns
+    assert all("not seen" in line and "deg" not in line for line in turns)
+    assert "Turned; the pictures do not tell how far.\nDoes not slide" in out
+    written = json.loads(run(capsys, path, "--json")[1])
+    amounts = {event["amount"] for event in written["events"] if event["event"] == "turn"}
+    assert amounts == {None} == {written["totals"]["turn_net"]["amount"]}
 
 
 def test_json_holds_events_and_totals_in_one_object(capsys, path):

@@ -24,6 +24,9 @@ class Asked:
     def tracker(self, recording=None):
         return Tracker()
 
+    def seen_closely(self, recording, track):
+        return track
+
     def encode(self, clip, *, track):
         if track.net_twist.turn_deg < 0:
             raise UnreadableClip("the frames are black.")
