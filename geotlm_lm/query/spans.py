@@ -192,7 +192,7 @@ def _events(kind: str):
     def events(context: Context) -> Events:
         """Return what happens of a kind in the span, by when it begins."""
         worlds = context.timed()
-        of_contact = ("touch", "none", "in", "out", "press")
+        of_contact = ("touch", "none", "in", "out", "press", "contact")
         if kind in of_contact and not worlds.belief.is_contact_known:
             raise Untold("contact")
         happenings, masks = [], []
@@ -236,7 +236,8 @@ def _of_kind(worlds: Worlds, kind: str) -> Iterator[tuple[Happening, Bools]]:
                 yield happening, happening.is_real & (sign * before < 0)
                 before = np.where(happening.is_real, sign, before)
         elif kind == "slip":
-            if happening.kind in _KINDS["move"] and _follows_rest(worlds, happening):
+            is_slide = happening.kind is EventKind.SLIDE
+            if is_slide or (happening.kind is EventKind.TURN and _follows_rest(worlds, happening)):
                 yield happening, happening.is_real
         elif kind == "none":
             if happening.kind is EventKind.RELEASE and _lets_go(worlds, happening):

@@ -406,3 +406,16 @@ def test_how_far_it_gets_is_the_same_at_every_moment():
     clip = of_track(turning([40.0, -38.0]))
     assert told("ever > peak turn 30.0:deg", clip).holds
     assert not told("ever > peak turn 60.0:deg", clip).holds
+
+
+def test_every_slide_is_a_slip_and_a_turn_after_a_rest_is():
+    events = (
+        happened("touch", 10, 10),
+        happened("turn", 12, 30, turn=20),
+        happened("slide", 30, 50, right=8),
+        happened("stick", 50, 70),
+        happened("turn", 70, 90, turn=-15),
+    )
+    clip = of_track(track_of_events(events))
+    slips = told("count slip-events", clip).amount.value
+    assert slips == told("count slide-events", clip).amount.value + 1 == 2
