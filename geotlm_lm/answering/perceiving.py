@@ -10,7 +10,7 @@ from math import inf
 import numpy as np
 from torch import Tensor
 
-from geotlm_lm.alignment.dots import activity_grey, is_marked
+from geotlm_lm.alignment.dots import activity_grey
 from geotlm_lm.answering.encoded import Encoded, with_background
 from geotlm_lm.checkpoint import Bundle, reading_of
 from geotlm_lm.core.clip import Clip
@@ -19,7 +19,7 @@ from geotlm_lm.core.process import Progress, silent
 from geotlm_lm.core.twist import WAYS, Component
 from geotlm_lm.motion.belief import Belief, fused, kept_from_zero
 from geotlm_lm.query.speaker import TactilePrefix
-from geotlm_lm.recordings.idle import find_idle
+from geotlm_lm.recordings.idle import find_idle, shows_contact
 from geotlm_lm.recordings.legible import require_legible
 from geotlm_lm.recordings.scene_checks import SceneReport, scene_of
 from geotlm_lm.recordings.touch import (
@@ -114,7 +114,7 @@ def perceive_clip(bundle: Bundle, clip: Clip, scene: SceneReport | None = None) 
     faint = is_idle_known and change.is_faint
     cut_off = seen and not faint and change.is_cut_off
     static = not is_idle_known and is_static(clip)
-    is_contact_known = is_idle_known or not is_marked(activity_grey(clip.frames))
+    is_contact_known = is_idle_known or shows_contact(activity_grey(clip.frames), clip.background)
     judged = time.perf_counter()
     if untouched:
         clip = clip.with_note(_nothing_seen(change.grey))

@@ -120,14 +120,18 @@ def _why_withheld(value: Value, encoded: Encoded, bundle: Bundle) -> tuple[str |
     rest = None if motion is None else motion.rest
     is_of_contact = isinstance(value, Placed) or not words.isdisjoint(OF_CONTACT)
     is_pressed = any(move.component is Component.PRESS for move in moves)
-    if not encoded.is_contact_known and (is_of_contact or is_pressed):
-        return "contact", ""
+    # What turns or slides touches, whether or not the untouched gel is known.
+    is_moving = any(encoded.belief.moves(part) >= 0.5 for part in (Component.TURN, Component.SLIDE))
+    is_touch = isinstance(value, Truth) and value.of.word == "touch" and is_moving
+    if not encoded.is_contact_known and (is_of_contact or is_pressed) and not is_touch:
+        is_rest = not is_moving and words <= {"touch", "none"}
+        return ("reference" if is_rest else "contact"), ""
     is_directed = any(move.way in DIRECTED for move in moves)
     is_faint = encoded.contact_share < bundle.calibration.contact_threshold
     if encoded.track is None and is_directed and is_faint:
         return "mask", f"(mask {encoded.contact_share:.3f})."
     # Contact is not judged without an image of the idle gel; that nothing moves is told.
-    is_lacking = encoded.is_static or not encoded.is_contact_known
+    is_lacking = encoded.is_static if encoded.is_contact_known else not is_touch
     is_of_motion = isinstance(value, Truth) and words and words <= _OF_MOTION
     if is_lacking and not is_of_motion and (rest is not None or words & {"touch", "none"}):
         return "reference", ""

@@ -106,7 +106,11 @@ def trait(context: Context, word: str) -> Floats:
     """Tell in which worlds something is so of the span, or of the moment."""
     belief = context.worlds.belief
     if word in ("touch", "none", "in", "out", "press") and not belief.is_contact_known:
-        raise Untold("contact")
+        moves = reduce(np.maximum, (_moves(context, component) for component in COMPONENTS[:2]))
+        is_moving = np.mean(moves) >= 0.5
+        if word == "touch" and is_moving:
+            return moves  # what turns or slides touches
+        raise Untold("contact" if is_moving or word not in ("touch", "none") else "reference")
     if word in ("touch", "none"):
         touches = _touched(context)
         return touches if word == "touch" else 1 - touches

@@ -24,6 +24,7 @@ from geotlm_lm.recordings.idle import (
     estimate_background,
     find_idle,
     imprints_of,
+    shows_contact,
     strength_of,
 )
 from geotlm_lm.recordings.policy import FrameClock
@@ -441,20 +442,19 @@ def _ended(clip: Clip, number: int) -> str:
 def gel_of(clip: Clip) -> tuple[Frames | None, bool]:
     """Return the idle gel of a recording, and whether it tells contact.
 
-    It is guessed where it is not seen: of a gel with dots, which the guess does not show, contact
-    is not known then. None where it can be learnt from the first frames: they show less of an
-    imprint than others.
+    It is guessed where it is not seen: contact is known then as of `shows_contact`. None where it
+    can be learnt from the first frames: they show less of an imprint than others.
     """
     grey = activity_grey(clip.frames)
     idle = find_idle(clip, grey)
     if idle is not None:
         return idle, True
     guess = estimate_background(clip.frames)
-    if is_marked(grey):
-        return guess, False
     strength = strength_of(imprints_of(grey, guess))
     at_ends = min(np.median(strength[:END_FRAMES]), np.median(strength[-END_FRAMES:]))
-    return guess if at_ends > TOUCHED_SHARE * np.median(strength) else None, True
+    if at_ends <= TOUCHED_SHARE * np.median(strength) and not is_marked(grey):
+        return None, True
+    return guess, shows_contact(grey, guess)
 
 
 def _contact(strength: float) -> float:

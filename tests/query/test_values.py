@@ -197,9 +197,12 @@ def test_what_the_picture_does_not_tell_is_not_made_up():
     assert told("slide", clip).holds
     assert told("way slide", clip).movements[0].amount is None
     unknown = of_clip(replace(certain(turn=20), is_contact_known=False))
-    for line in ("touch", "none", "press", "in"):
+    for line in ("none", "press", "in"):
         assert told(line, unknown).reason == "contact"
     assert told("turn", unknown).holds
+    assert told("touch", unknown).holds  # what turns touches
+    still = of_clip(replace(certain(), is_contact_known=False))
+    assert told("touch", still).reason == "reference"
 
 
 @given(st.sampled_from(("way turn", "cw", "or left out", "choose left | right", "amount turn")),
