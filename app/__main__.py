@@ -11,8 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-import geotlm_lm
-from geotlm_lm import GeoTLMError
+import geotlm_lm as lm
 
 from .agents import require_mcp
 from .toolkit import gradio
@@ -42,12 +41,12 @@ def serve(port: int | None = None, *, mcp: bool = False, recordings: Path | None
         from .turns import LazyAnswerer
         from .ui import build, launch
 
-        model = LazyAnswerer(lambda: geotlm_lm.Answerer.load())
+        model = LazyAnswerer(lambda: lm.Answerer.load())
         page = build(model, recordings)
         try:
             address = launch(page, port=port, mcp=mcp)
         except OSError as error:
-            raise GeoTLMError(
+            raise lm.GeoTLMError(
                 f"Port {port} is taken or not allowed; give another by --port, or none."
             ) from error
         print(f"Serving {address} on this machine only; Ctrl-C stops it.", flush=True)

@@ -10,7 +10,7 @@ from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import GeoTLMError, __version__
+import geotlm_lm as lm
 from geotlm_lm.core.errors import MissingDependency, choice_of, require_package
 
 from .guards import AT_ONCE, BUSY_STATUS, MESSAGE_BYTES, NAME_CHARACTERS, SENTENCE, Busy
@@ -77,7 +77,7 @@ def server_of(tools: list[Tool]) -> Server:
     from mcp import types
     from mcp.server.lowlevel import Server
 
-    server = Server("geotlm-lm", version=__version__, instructions=INSTRUCTIONS)
+    server = Server("geotlm-lm", version=lm.__version__, instructions=INSTRUCTIONS)
     known = {tool.name: tool for tool in tools}
     limiter = CapacityLimiter(AT_ONCE)
 
@@ -99,12 +99,12 @@ def server_of(tools: list[Tool]) -> Server:
     async def call_tool(name: str, arguments: dict[str, Any]) -> types.CallToolResult:
         try:
             if name not in known:
-                raise GeoTLMError(f"There is no tool {name[:80]!r}; {choice_of(name, known)}")
+                raise lm.GeoTLMError(f"There is no tool {name[:80]!r}; {choice_of(name, known)}")
             call = partial(known[name].call, arguments)
             result = await to_thread.run_sync(
                 _with_progress, call, server.request_context, limiter=limiter
             )
-        except GeoTLMError as error:
+        except lm.GeoTLMError as error:
             sentence = [types.TextContent(type="text", text=str(error))]
             about = {"_meta": {"status": BUSY_STATUS}} if isinstance(error, Busy) else {}
             return types.CallToolResult(content=sentence, isError=True, **about)
@@ -136,7 +136,7 @@ def _with_progress(call: Callable[[], Any], context: RequestContext) -> Any:
             return ended.value
         except (BrokenResourceError, ClosedResourceError):
             steps.close()
-            raise GeoTLMError("The client that asked has left.") from None
+            raise lm.GeoTLMError("The client that asked has left.") from None
 
 
 def _content(result: dict[str, Any]) -> list[Any]:

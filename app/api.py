@@ -4,21 +4,12 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import cv2
 import numpy as np
 
-from geotlm_lm import (
-    DEFAULT_FPS,
-    Exported,
-    FrameSpec,
-    Motion,
-    draw_caption,
-    draw_motion,
-    picture,
-    plot_png,
-)
+import geotlm_lm as lm
 
 from . import schema as p
 from .clips import LoadedClip, OpenedRecordings
@@ -26,9 +17,6 @@ from .guards import EVENTS
 from .simulate_tab import simulate as simulate_and_ask
 from .sources import Sources
 from .turns import LISTENER
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 SHORT_ANSWER = ("text", "decided", "confidence", "amount", "direction", "query")
 """Fields of an answer without details."""
@@ -39,7 +27,7 @@ SAME_WAY = "Do they go the same way?"
 class Api:
     """The functions programs call; each is documented where it is served."""
 
-    def __init__(self, answerer: Answerer, sources: Sources) -> None:
+    def __init__(self, answerer: lm.Answerer, sources: Sources) -> None:
         self._answerer, self._sources = answerer, sources
         self._opened = OpenedRecordings(answerer, sources)
 
@@ -105,15 +93,13 @@ class Api:
         Returns whether and when it holds, how sure that is, what it rests on, and how the condition
         was read; a condition that is not surely understood is refused.
         """
-        from geotlm_lm import Monitor  # with the model's libraries
-
         understood = self._answerer.condition(condition, frame=frame.spec)
         clip, report = self._opened.whole(recording, topic).recording, LISTENER.get()
         options = {"sure": sure, "lasting_s": lasting_s, "fps": clip.fps}
-        monitor = Monitor(self._answerer.tracker(clip), understood, **options)
+        monitor = lm.Monitor(self._answerer.tracker(clip), understood, **options)
         waited: dict[str, Any] = {"holds": False}
         for number, image in zip(clip.frame_numbers, clip.frames, strict=True):
-            time_s = clip.second_of(number, DEFAULT_FPS)
+            time_s = clip.second_of(number, lm.DEFAULT_FPS)
             if time_s > most_s:
                 break
             verdict = monitor.push(image, time_s, number=number)
@@ -152,9 +138,7 @@ class Api:
         Returns which way it goes and how far, in words; the true motion, which components count,
         the true amounts, the ones that were read, and their error.
         """
-        from geotlm_lm import Touch  # with the model's libraries
-
-        return simulate_and_ask(self._answerer, Touch(**touch.model_dump())).facts
+        return simulate_and_ask(self._answerer, lm.Touch(**touch.model_dump())).facts
 
     def evidence(
         self, recording: p.Recording, frames: p.Frames = None, topic: p.Topic = None
@@ -163,10 +147,8 @@ class Api:
 
         Returns contact, shear change of seven regions and of each patch; x right, y down, unitless.
         """
-        from geotlm_lm import regions_of  # with the model's libraries
-
         shown = self._opened.open(recording, frames, topic)
-        return regions_of(shown.encoded) | {
+        return lm.regions_of(shown.encoded) | {
             "shear_change": shown.seen.shear_change.round(4).tolist(),
             "contact_mask": shown.seen.mask.round(4).tolist(),
             "frames_used": list(shown.encoded.clip.frame_numbers),
@@ -188,7 +170,7 @@ class Api:
         whole, track = self._tracked(recording, frames, topic)
         if shows == "timeline":
             options = {"in_frames": not whole.is_timed, "title": whole.name}
-            png = plot_png(Exported(track, mm_per_px), **options)
+            png = lm.plot_png(lm.Exported(track, mm_per_px), **options)
             return _pictured(png, f"{whole.name}: turn, slide, depth, contact and grip over time")
         shown = self._opened.open(recording, frames, topic)
         numbers = ", ".join(str(number) for number in shown.encoded.clip.frame_numbers)
@@ -214,12 +196,12 @@ def _sheet(shown: LoadedClip, view: str, whole: Any, track: Any) -> bytes:
     path, first = track.path_from_start, _place_of(track, numbers[0])
     for place, number in enumerate([*numbers, *numbers[-1:] * 4][:4]):
         name = {"overlay": "raw", "shear": "arrows"}.get(view, view)
-        image = picture(shown.seen, name, min(place, len(numbers) - 1))
+        image = lm.picture(shown.seen, name, min(place, len(numbers) - 1))
         if view == "overlay":
             way = path[_place_of(track, number)] - path[first]
-            image = draw_motion(image, shown.seen, *way[:3])
-        time_s = f"{whole.second_of(number, DEFAULT_FPS):.2f} s, " if whole.is_timed else ""
-        drawn.append(draw_caption(image, f"{time_s}frame {number}"))
+            image = lm.draw_motion(image, shown.seen, *way[:3])
+        time_s = f"{whole.second_of(number, lm.DEFAULT_FPS):.2f} s, " if whole.is_timed else ""
+        drawn.append(lm.draw_caption(image, f"{time_s}frame {number}"))
     sheet = cv2.vconcat([cv2.hconcat(drawn[:2]), cv2.hconcat(drawn[2:])])
     return cv2.imencode(".png", cv2.cvtColor(sheet, cv2.COLOR_RGB2BGR))[1].tobytes()
 
@@ -240,9 +222,9 @@ def _pictured(png: bytes, shows: str) -> p.PictureResult:
     }
 
 
-def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.TrackResult:
+def summary_of(track: Any, recording: Any, frame: lm.FrameSpec, rows: int) -> p.TrackResult:
     """Return what the track of a recording, or of a span, comes to; so many rows at most."""
-    exported, edit = Exported(track, frame.mm_per_px), frame.edit
+    exported, edit = lm.Exported(track, frame.mm_per_px), frame.edit
     facts = exported.to_dict()
     return {
         "recording": recording.name,
@@ -260,7 +242,7 @@ def summary_of(track: Any, recording: Any, frame: FrameSpec, rows: int) -> p.Tra
 
 
 def _event_seen(event: dict[str, Any], edit: Any) -> dict[str, Any]:
-    way = None if event["way"] is None else edit.of_way(Motion(event["way"])).value
+    way = None if event["way"] is None else edit.of_way(lm.Motion(event["way"])).value
     if (event.get("amount") or 0.0) < 0:  # amounts are how far it goes the way that is named
         event |= _negated(event)
     return event | {"way": way}
@@ -289,7 +271,7 @@ def _negated(span: dict[str, Any]) -> dict[str, float]:
     return {"amount": -span["amount"], "low": -span["high"], "high": -span["low"]}
 
 
-def _spread(exported: Exported, most: int) -> list[dict[str, Any]]:
+def _spread(exported: lm.Exported, most: int) -> list[dict[str, Any]]:
     """Return at most so many frames, the first and the last among them."""
     rows = list(exported.rows()) if most else []
     if len(rows) <= most:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import geotlm_lm as lm
 
 from . import conversation, opening, stage
 from .clips import SUFFIXES
@@ -11,9 +13,6 @@ from .guards import TOPIC_CHARACTERS
 from .opening import Opening
 from .talking import Talking
 from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio, html
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 ANSWERED = (
     *("chat", "evidence", "code", "last", "question", "frame", "mm_per_px", "framed", "chips"),
@@ -28,7 +27,7 @@ OPENED = (
 """What is filled when a recording is opened or closed."""
 
 
-def build(answerer: Answerer, page: Any) -> None:
+def build(answerer: lm.Answerer, page: Any) -> None:
     """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
     gr = gradio()
     states = ("shown", "source", "reading", "last")

@@ -13,31 +13,20 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from pathlib import Path
 from threading import Event, Lock
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import (
-    CLIP_SUFFIXES,
-    IMAGE_SUFFIXES,
-    GeoTLMError,
-    Seen,
-    declared_bytes,
-    read_clip,
-    second_opinions,
-)
+import geotlm_lm as lm
 
 from . import guards
 from .guards import KEPT_OPEN_BYTES, KEPT_OPEN_S
 from .sources import Sources
 
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer, Tracker
-
 Image = NDArray[np.uint8]
 
-SUFFIXES = sorted({*CLIP_SUFFIXES, *IMAGE_SUFFIXES})
+SUFFIXES = sorted({*lm.CLIP_SUFFIXES, *lm.IMAGE_SUFFIXES})
 """Endings of recordings, and of single frames, several of which are one."""
 
 ADVICE = {
@@ -78,7 +67,7 @@ class LoadedClip:
     """
 
     encoded: Any
-    seen: Seen
+    seen: lm.Seen
     session: Any
     source: Source
     second: LoadedClip | None = None  # that it is compared with, in the same conversation
@@ -88,7 +77,7 @@ class LoadedClip:
     @cached_property
     def opinions(self) -> dict[str, Any]:
         """What the linear probe and optical flow read, as plain values; only where it is shown."""
-        return second_opinions(self.session.answerer, self.encoded).to_dict()
+        return lm.second_opinions(self.session.answerer, self.encoded).to_dict()
 
 
 def compared(first: LoadedClip, second: LoadedClip | None) -> LoadedClip:
@@ -101,14 +90,14 @@ def compared(first: LoadedClip, second: LoadedClip | None) -> LoadedClip:
 
 
 def perceive(
-    answerer: Answerer,
+    answerer: lm.Answerer,
     recording: Any,
     *,
     span: tuple[int, int] | None = None,
     track: Any = None,
     depth_mm: NDArray[np.float32] | None = None,
     source: Source | None = None,
-    follow: Callable[[Tracker], None] = lambda _: None,
+    follow: Callable[[lm.Tracker], None] = lambda _: None,
 ) -> LoadedClip:
     """Perceive or track a clip, or its frames from first to last of `span`, once.
 
@@ -121,7 +110,7 @@ def perceive(
     threshold = answerer.bundle.calibration.contact_threshold
     has_contact = not encoded.is_untouched and encoded.contact_share >= threshold
     frames, idle = encoded.clip.frames, encoded.clip.background
-    seen = Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
+    seen = lm.Seen(frames, idle, field, mask, encoded.view, depth_mm, has_contact=has_contact)
     source, track = source or Source(None, recording.name), encoded.track
     if track is not None and track.is_cut:
         ends = int(track.numbers[0]), int(track.numbers[-1])
@@ -144,9 +133,9 @@ def span_of(first: float | str | None, last: float | str | None) -> tuple[int, i
     if not any(ends):
         return None
     if not all(ends):
-        raise GeoTLMError("Only one end of the span was given; give both frame numbers or none.")
+        raise lm.GeoTLMError("Only one end of the span was given; give both frame numbers or none.")
     if not all(end.isdecimal() for end in ends):
-        raise GeoTLMError(
+        raise lm.GeoTLMError(
             f"The span was {ends[0]} to {ends[1]}, expected two whole numbers; "
             f"give the numbers of two frames, counted from 0, or leave both fields empty."
         )
@@ -159,15 +148,15 @@ def read_named(path: str | list[str], topic: str | None = None) -> Any:
     if len(paths) == 1:
         path = Path(paths[0])
         with without_folder(path.parent):
-            read = partial(read_clip, path, topic=topic)
-            return _renamed(guards.MEMORY.read(declared_bytes(path), read), path.name)
+            read = partial(lm.read_clip, path, topic=topic)
+            return _renamed(guards.MEMORY.read(lm.declared_bytes(path), read), path.name)
     if not all(map(_is_image, paths)):
-        raise GeoTLMError("Several recordings were given; give one, or the images of one.")
+        raise lm.GeoTLMError("Several recordings were given; give one, or the images of one.")
     with tempfile.TemporaryDirectory() as folder, without_folder(folder):
         for image in paths:
             shutil.copy(image, Path(folder) / Path(image).name)
-        read = partial(read_clip, folder)
-        return _renamed(guards.MEMORY.read(declared_bytes(Path(folder)), read), "the images")
+        read = partial(lm.read_clip, folder)
+        return _renamed(guards.MEMORY.read(lm.declared_bytes(Path(folder)), read), "the images")
 
 
 @contextmanager
@@ -175,7 +164,7 @@ def without_folder(folder: str | Path) -> Iterator[None]:
     """Leave a recording's folder out of the sentences about it: uploads lie in a temporary one."""
     try:
         yield
-    except GeoTLMError as error:
+    except lm.GeoTLMError as error:
         sentence = str(error).replace(f"{folder}/", "").replace(str(folder), "the images")
         if sentence == str(error):
             raise
@@ -194,7 +183,7 @@ def _advised(sentence: str) -> str:
 
 
 def _is_image(path: str) -> bool:
-    return Path(path).suffix.lower() in IMAGE_SUFFIXES
+    return Path(path).suffix.lower() in lm.IMAGE_SUFFIXES
 
 
 @dataclass(eq=False)
@@ -218,7 +207,7 @@ class Opened:
 class OpenedRecordings:
     """Opens recordings once each, also for requests at the same time, and keeps the last ones."""
 
-    def __init__(self, answerer: Answerer, sources: Sources) -> None:
+    def __init__(self, answerer: lm.Answerer, sources: Sources) -> None:
         self._answerer, self._sources = answerer, sources
         self._kept: OrderedDict[str, Opened] = OrderedDict()
         self._lock = Lock()

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from geotlm_lm import FrameSpec, Motion
+import geotlm_lm as lm
 
 from .guards import QUESTION_CHARACTERS
 from .toolkit import (
@@ -83,23 +83,23 @@ MOST_SUGGESTED = 5
 
 def fields_of(facts: list[str]) -> dict[str, Any]:
     """Return the fields of a `FrameSpec` that the checked facts stand for; turns add up."""
-    usual = FrameSpec()
+    usual = lm.FrameSpec()
     fields = {field: getattr(usual, field) for field, _ in FACTS.values()}
-    fields |= FrameSpec.fields_of_turn(sum(TURNS.get(fact, 0) for fact in facts))
+    fields |= lm.FrameSpec.fields_of_turn(sum(TURNS.get(fact, 0) for fact in facts))
     return fields | dict(FACTS[fact] for fact in facts if fact not in TURNS)
 
 
-def facts_of(frame: FrameSpec) -> list[str]:
+def facts_of(frame: lm.FrameSpec) -> list[str]:
     """Return the facts to check for a frame: what the conversation stated shows in the page."""
     return [fact for fact, (field, value) in FACTS.items() if getattr(frame, field) == value]
 
 
 def in_frame(facts: list[str], direction: str | None) -> str:
     """Return the last direction, if there was one, as the frame of the checked facts tells it."""
-    frame = FrameSpec(**fields_of(facts))
+    frame = lm.FrameSpec(**fields_of(facts))
     if direction is None:
         return f"Frame: {frame.sentence()}."
-    way = frame.edit.of_way(Motion(direction)).value
+    way = frame.edit.of_way(lm.Motion(direction)).value
     return f"In this frame ({frame.sentence()}) that is **{way}**."
 
 

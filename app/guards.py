@@ -20,7 +20,7 @@ from urllib.parse import urlsplit
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import GeoTLMError
+import geotlm_lm as lm
 
 MIB = 2**20
 
@@ -74,7 +74,7 @@ TAKEN = (
 )
 
 
-class Busy(GeoTLMError):
+class Busy(lm.GeoTLMError):
     """Others take the memory that a request needs."""
 
     def __init__(self) -> None:

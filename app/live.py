@@ -12,23 +12,11 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from geotlm_lm import (
-    Clip,
-    FrameSpec,
-    GeoTLMError,
-    StuckPicture,
-    Units,
-    camera_size,
-    change_map,
-    declared_bytes,
-    drawing_of,
-    is_streamed,
-    open_source,
-)
+import geotlm_lm as lm
 
 from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
@@ -37,9 +25,6 @@ from .pictures import jpeg_address
 from .stage import LANES, limits_of, outline, timeline_of, unknown_of
 from .talking import Talking
 from .toolkit import COMPLAINT, Filled
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 SHOWN_EVERY_S = 0.25
 """Time between two pictures of a recording; the events come as they are found."""
@@ -94,7 +79,7 @@ class LiveStream:
     """Follows the frames of one camera or recording; a camera goes on for as long as it likes."""
 
     def __init__(
-        self, answerer: Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
+        self, answerer: lm.Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
     ) -> None:
         guards.MEMORY.take(KEPT_BYTES).keep_with(self)
         self.name, self.shape, self.is_camera = name, tuple(shape), is_camera
@@ -103,7 +88,7 @@ class LiveStream:
         self._kept: list[tuple[int, Image]] = []
         self._monitor: Any = None
         self._moment: tuple[float, str] | None = None
-        self._apart, self._stuck = 1, StuckPicture()
+        self._apart, self._stuck = 1, lm.StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
         self._began_s = 0.0 if is_camera else time.monotonic()
         self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
@@ -132,9 +117,7 @@ class LiveStream:
 
         None waits for nothing.
         """
-        from geotlm_lm import Monitor  # with the model's libraries
-
-        self._monitor = None if condition is None else Monitor(self._tracker, condition)
+        self._monitor = None if condition is None else lm.Monitor(self._tracker, condition)
         held = None if self._monitor is None else self._monitor.look_back()
         self._moment = None if held is None else (held.time_s, held.text)
 
@@ -148,14 +131,14 @@ class LiveStream:
 
         The frame is the last one that was fed; None adds no picture.
         """
-        track, units = self._tracker.so_far, Units(self.shape[:2], mm_per_px)
+        track, units = self._tracker.so_far, lm.Units(self.shape[:2], mm_per_px)
         since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
-        drawing, limits = drawing_of(track, units), limits_of(track, mm_per_px)
+        drawing, limits = lm.drawing_of(track, units), limits_of(track, mm_per_px)
         if not self.is_over:
             drawing = drawing.up_to(self._now_s, self._tracker.way)
         idle = self._tracker.idle
         unknown = tuple(LANES) if idle is None else unknown_of(track)
-        rows, columns = camera_size(*self.shape[:2])
+        rows, columns = lm.camera_size(*self.shape[:2])
         window = [max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)]
         if self.is_over:
             window = [0.0, self._now_s or FIRST_WINDOW_S]  # of a single frame
@@ -200,11 +183,11 @@ class LiveStream:
         Of the present it is the last tenths of a second.
         """
         if self.count and self._tracker.idle is None:
-            raise GeoTLMError(NO_GEL_YET)
+            raise lm.GeoTLMError(NO_GEL_YET)
         track = self._tracker.so_far if self.is_over else self._tracker.now()
         kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
         if len(kept) < LEAST_FRAMES:
-            raise GeoTLMError(WATCH_FIRST)
+            raise lm.GeoTLMError(WATCH_FIRST)
         if is_now:
             last = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
             kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
@@ -215,7 +198,7 @@ class LiveStream:
         numbers, frames = zip(*kept, strict=True)
         span_s = float(track.times_s[-1] - track.times_s[0])
         rate_hz = (int(track.numbers[-1]) - int(track.numbers[0])) / span_s
-        clip = Clip(np.stack(frames), rate_hz, self._tracker.idle, self.name, numbers)
+        clip = lm.Clip(np.stack(frames), rate_hz, self._tracker.idle, self.name, numbers)
         grown = perceive(self._answerer, clip, track=track)
         # Each question looks at other frames: of all of them the conversation keeps four.
         encoded = replace(grown.encoded, recording=None)
@@ -236,7 +219,7 @@ class LiveStream:
             "at": round(self._now_s, 3),
             "number": self.count - 1,
             "image": jpeg_address(frame, SIDE, QUALITY),
-            "outline": [] if idle is None else outline(change_map(frame, idle)),
+            "outline": [] if idle is None else outline(lm.change_map(frame, idle)),
         }
 
     def _idle_to_send(self, idle: Image | None) -> str | None:
@@ -268,13 +251,13 @@ class LiveSession:
 
 
 def wait_for(
-    answerer: Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
+    answerer: lm.Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
 ) -> Iterator[Filled]:
     """Mark the moment when a condition in words first holds; no words wait for nothing.
 
     One that is refused leaves the condition before it as it is.
     """
-    frame = FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
+    frame = lm.FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
     live.condition = answerer.condition(text, frame=frame) if text.strip() else None
     if live.stream is None:
         words = live.condition and f"Will wait for this: {live.condition.restated}."
@@ -284,16 +267,16 @@ def wait_for(
         yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
 
 
-def watch_recording(answerer: Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
+def watch_recording(answerer: lm.Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
     """Yield what the parts show while a recording is watched to its end, or until another is."""
     if not path:
-        raise GeoTLMError("No recording was given; upload one first.")
+        raise lm.GeoTLMError("No recording was given; upload one first.")
     live.stream = None
     yield NOTHING  # the stream before is gone
     # A video or a bag is decoded as it is watched, anything else is read whole before.
-    size_bytes = 0 if is_streamed(path) else 2 * declared_bytes(Path(path))
+    size_bytes = 0 if lm.is_streamed(path) else 2 * lm.declared_bytes(Path(path))
     with guards.MEMORY.held(size_bytes), without_folder(Path(path).parent):
-        source = iter(open_source(path))
+        source = iter(lm.open_source(path))
         first = next(source)
         stream = LiveStream(answerer, Path(path).name, first.image.shape)
         yield live.begin(stream)
@@ -324,7 +307,7 @@ def stop(live: LiveSession, *_: Any) -> Iterator[Filled]:
     yield NOTHING
 
 
-def follow_camera(answerer: Answerer, frame: Image | None, live: LiveSession) -> Filled:
+def follow_camera(answerer: lm.Answerer, frame: Image | None, live: LiveSession) -> Filled:
     """Take in one camera frame and return what the parts show then, of those that change.
 
     Frames of another size are another camera: it is followed from its own beginning, as is one
@@ -361,7 +344,7 @@ class LiveTalk(Talking):
     ) -> Iterator[Filled]:
         """As `Talking.ask`, unless something else is watched when the answer comes."""
         if (stream := live.stream) is None:
-            raise GeoTLMError(WATCH_FIRST)
+            raise lm.GeoTLMError(WATCH_FIRST)
         shown = stream.shown(is_now=bool(NOW.search(question)))
         for values in super().ask(question, shown, facts, mm_per_px):
             if live.stream is not stream:
@@ -392,7 +375,7 @@ class LiveTalk(Talking):
 
     def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:
         """Tell lengths by another size of a pixel."""
-        size = FrameSpec(mm_per_px=mm_per_px or None).mm_per_px
+        size = lm.FrameSpec(mm_per_px=mm_per_px or None).mm_per_px
         if size == live.mm_per_px:
             return
         live.mm_per_px = size

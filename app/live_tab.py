@@ -4,18 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geotlm_lm import CLIP_SUFFIXES, GeoTLMError
+import geotlm_lm as lm
 
 from . import conversation, stage
 from .guards import QUESTION_CHARACTERS
 from .live import LiveSession, LiveTalk, follow_camera, stop, wait_for, watch_recording
 from .sessions import remove_seen
 from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, filling, gradio, sent
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 INVITES = (
     "Start the camera, or drop a recording here. Leave the gel untouched for the first half "
@@ -34,7 +31,7 @@ ANSWERED = (*EMPTIED, "question", "frame")
 """What is filled when a question is answered."""
 
 
-def build(answerer: Answerer) -> None:
+def build(answerer: lm.Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
     gr = gradio()
     parts: dict[str, Any] = {"live": gr.State(LiveSession()), "last": gr.State()}
@@ -67,7 +64,7 @@ def _sources(gr: Any) -> dict[str, Any]:
         with gr.Column(min_width=220):
             parts["path"] = gr.File(
                 label="Recording",
-                file_types=list(CLIP_SUFFIXES),
+                file_types=list(lm.CLIP_SUFFIXES),
                 type="filepath",
                 height=96,
                 elem_classes=["drop"],
@@ -99,7 +96,7 @@ STOP_CAMERA = """(...given) => {
 """Turns the camera off in the browser, whatever the server does meanwhile."""
 
 
-def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
+def _connect_sources(parts: dict[str, Any], answerer: lm.Answerer) -> None:
     gr = gradio()
     watch = filling(parts, partial(watch_recording, answerer))
     for trigger in (parts["path"].upload, parts["go"].click):
@@ -133,7 +130,7 @@ def _connect_sources(parts: dict[str, Any], answerer: Answerer) -> None:
         remove_seen(parts["camera"])
         try:
             values = follow_camera(answerer, *given) or {"stage": gr.skip()}
-        except GeoTLMError as error:
+        except lm.GeoTLMError as error:
             values = {COMPLAINT: str(error)}
         return {parts[name]: sent(name, value) for name, value in values.items()}
 

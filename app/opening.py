@@ -10,22 +10,13 @@ from functools import cache, partial
 from html import escape
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import urlencode
 
 import cv2
 import numpy as np
 
-from geotlm_lm import (
-    FRAME_COUNT,
-    Exported,
-    GeoTLMError,
-    Motion,
-    __version__,
-    camera_size,
-    plot_png,
-    read_clip,
-)
+import geotlm_lm as lm
 from geotlm_lm.core.errors import TopicNeeded
 
 from . import stage
@@ -45,9 +36,6 @@ from .pictures import jpeg_address
 from .sources import EXAMPLES, RECORDING_FOLDER
 from .toolkit import Filled, html
 from .turns import reported
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer, Tracker
 
 FIRST = "recording_key"
 """Opened with the page: a touch, a turn there and back, a slip and a release."""
@@ -74,7 +62,7 @@ def examples() -> dict[str, Source]:
         if path.parent == RECORDING_FOLDER:
             continue
         touched = path.stem
-        for motion in sorted(Motion, key=lambda motion: -len(motion)):
+        for motion in sorted(lm.Motion, key=lambda motion: -len(motion)):
             touched = touched.removesuffix(f"_{motion.value}")
         count = 1 + sum(key.rstrip("_23456789") == touched for key in offer)
         key = touched if count == 1 else f"{touched}_{count}"
@@ -106,12 +94,12 @@ def _strip_markup() -> str:
 
 def _thumbnail(path: str) -> tuple[str, str]:
     """Return a picture of a recording in which it is touched, and how long it is."""
-    clip = read_clip(path)
+    clip = lm.read_clip(path)
     frame = clip.frames[-1]
-    if is_whole := len(clip) > FRAME_COUNT:
+    if is_whole := len(clip) > lm.FRAME_COUNT:
         changes = [np.abs(np.subtract(each, frame, dtype=np.int16)).mean() for each in clip.frames]
         frame = clip.frames[int(np.argmax(changes))]
-    rows, columns = camera_size(*frame.shape[:2])
+    rows, columns = lm.camera_size(*frame.shape[:2])
     size = (THUMBNAIL_PX, round(THUMBNAIL_PX * rows / columns))
     small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
     length = f"{len(clip) / clip.fps:.0f} s" if is_whole and clip.fps else ""
@@ -125,7 +113,7 @@ class Opening:
     or None where it is not known), and the clip that is open.
     """
 
-    def __init__(self, answerer: Answerer, talking: Any = None) -> None:
+    def __init__(self, answerer: lm.Answerer, talking: Any = None) -> None:
         self._answerer, self._talking = answerer, talking
         self._perceived: dict[str, LoadedClip] = {}  # examples: everybody opens the same
         self._lock = Lock()
@@ -150,7 +138,7 @@ class Opening:
     def compare(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Let what is opened next be a second recording, compared with the one that is open."""
         if shown is None:
-            raise GeoTLMError("No recording is open; open one first.")
+            raise lm.GeoTLMError("No recording is open; open one first.")
         yield {"shown": replace(shown, is_paired=True), "stage_second": CHOOSING}
 
     def stop(self, reading: Reading | None) -> Iterator[Filled]:
@@ -175,7 +163,7 @@ class Opening:
         key = query.get("example", FIRST)
         if (source := examples().get(key)) is None:
             yield _closed([])
-            raise GeoTLMError(
+            raise lm.GeoTLMError(
                 f"The link names the example {key[:40]!r}, which does not exist; open another."
             )
         for values in self._open(source, []):
@@ -220,7 +208,7 @@ class Opening:
                 progress = {"progress": f"{what}, {done / max(total, 1):.0%}"}
                 return {name: unread | growing.values | progress}
 
-            def follow(tracker: Tracker) -> bool:
+            def follow(tracker: lm.Tracker) -> bool:
                 growing.follow(tracker)
                 return reading.stop.is_set()
 
@@ -247,7 +235,7 @@ class Opening:
         return values
 
     def _perceive(
-        self, source: Source, recording: Any, follow: Callable[[Tracker], Any] = lambda _: None
+        self, source: Source, recording: Any, follow: Callable[[lm.Tracker], Any] = lambda _: None
     ) -> LoadedClip:
         """Return a recording for questions; an example is perceived once, unless it is stopped."""
         options = {"span": source.span, "source": source, "follow": follow}
@@ -351,7 +339,9 @@ def saved(kind: str, shown: LoadedClip | None) -> dict[str, Any]:
     """Return a file for the browser to save, or the end of a link."""
     offer = offered(shown)
     if shown is None or kind not in offer["kinds"]:
-        raise GeoTLMError("There is nothing of this kind to save; open a recording and ask first.")
+        raise lm.GeoTLMError(
+            "There is nothing of this kind to save; open a recording and ask first."
+        )
     turns, source = shown.session.history, shown.source
     if kind == "link":
         query = {"example": source.example} | ({"q": turns[-1].question} if turns else {})
@@ -373,10 +363,10 @@ def saved(kind: str, shown: LoadedClip | None) -> dict[str, Any]:
 
 
 def _track(shown: LoadedClip, ending: str) -> bytes:
-    exported = Exported(shown.encoded.track, shown.session.frame.mm_per_px)
+    exported = lm.Exported(shown.encoded.track, shown.session.frame.mm_per_px)
     clip = shown.encoded.recording
     if ending == "png":
-        return plot_png(exported, in_frames=not clip.is_timed)
-    made_by = {"program": f"geotlm-lm {__version__}", "recording": shown.source.name}
+        return lm.plot_png(exported, in_frames=not clip.is_timed)
+    made_by = {"program": f"geotlm-lm {lm.__version__}", "recording": shown.source.name}
     made_by["fps"] = clip.fps
     return exported.content(f".{ending}", made_by)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, NotRequired
 from pydantic import BaseModel, Field
 from typing_extensions import TypedDict  # of 3.11's own one no schema can be made
 
-from geotlm_lm import RELATIVE_TOLERANCE, TOLERANCES, FrameSpec, Motion
+import geotlm_lm as lm
 
 from .guards import NAME_CHARACTERS, QUESTION_CHARACTERS, ROWS, TOPIC_CHARACTERS
 
@@ -101,11 +101,11 @@ class Frame(BaseModel):
     mm_per_px: MmPerPx = None
 
     @property
-    def spec(self) -> FrameSpec:
+    def spec(self) -> lm.FrameSpec:
         """The same as the library takes it."""
         fields = self.model_dump(exclude={"mirrored", "turned"})
-        turn = FrameSpec.fields_of_turn(self.turned)
-        return FrameSpec(image_mirrored=self.mirrored, **turn, **fields)
+        turn = lm.FrameSpec.fields_of_turn(self.turned)
+        return lm.FrameSpec(image_mirrored=self.mirrored, **turn, **fields)
 
 
 class SimulatedTouch(BaseModel):
@@ -157,9 +157,9 @@ class EvidenceFields(Evidence):
 CONFIDENCE = (
     "Probability that the answer is right, that the question was read rightly included; calibrated "
     "on recordings that nothing was chosen by. An amount is right within its tolerance: "
-    f"{TOLERANCES['deg']:g} degrees, {TOLERANCES['mm']:g} mm, {TOLERANCES['px']:g} px of a "
-    f"224-pixel image, or {RELATIVE_TOLERANCE:.0%} of it where that is more. 0 where nothing is "
-    "told."
+    f"{lm.TOLERANCES['deg']:g} degrees, {lm.TOLERANCES['mm']:g} mm, {lm.TOLERANCES['px']:g} px of "
+    f"a 224-pixel image, or {lm.RELATIVE_TOLERANCE:.0%} of it where that is more. 0 where nothing "
+    "is told."
 )
 Confidence = Annotated[float, Field(description=CONFIDENCE)]
 
@@ -186,7 +186,7 @@ class AnswerResult(TypedDict):
     decided: str | None
     confidence: Confidence
     amount: Amount | None
-    direction: Motion | None
+    direction: lm.Motion | None
     query: str
     motion: NotRequired[dict[str, Any] | None]
     abstained: NotRequired[bool]
@@ -218,10 +218,10 @@ class SimulatedAnswer(TypedDict):
 
     answer: str
     how_far: str
-    direction: Motion | None
+    direction: lm.Motion | None
     confidence: Confidence
-    true_motion: Motion
-    true_ways: list[Motion]
+    true_motion: lm.Motion
+    true_ways: list[lm.Motion]
     moves: dict[str, bool | None]
     is_visible: dict[str, bool]
     is_right: bool

@@ -5,18 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from geotlm_lm import SPAN_DEVIATIONS, TRUE_DISPLACEMENT, GeoTLMError, Seen
+import geotlm_lm as lm
 
 from . import stage
 from .clips import LoadedClip, perceive
 from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, filling, gradio
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer, Touch
 
 OBJECTS = (
     *("key", "bottle_cap", "hex_nut", "screw_head", "coin", "bead", "pen_clip", "textured_ball"),
@@ -44,7 +41,7 @@ NUMBERS = (
 """Fields of a `Touch`, in the order of the sliders."""
 
 
-def build(answerer: Answerer, tab: Any) -> None:
+def build(answerer: lm.Answerer, tab: Any) -> None:
     """Lay the tab (a `gradio.Tab`) out and connect it; call it inside.
 
     It is simulated when the tab is shown and whenever a slider moves: a draft, then a better one.
@@ -64,7 +61,7 @@ def build(answerer: Answerer, tab: Any) -> None:
         trigger(filling(parts, partial(simulated, answerer)), sliders, shown, **newest)
 
 
-def simulated(answerer: Answerer, name: str, *given: float | None) -> Iterator[Filled]:
+def simulated(answerer: lm.Answerer, name: str, *given: float | None) -> Iterator[Filled]:
     """Yield the stage of a touch by its sliders; one that cannot be leaves the former there."""
     *numbers, seed = given
     touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
@@ -82,7 +79,7 @@ def _rows(made: Simulated) -> list[dict[str, Any]]:
     rows = []
     for (name, (key, unit, ways)), deviation in zip(COMPONENTS.items(), deviations, strict=True):
         read, true = made.facts["read"][key], made.facts["true"][key]
-        reach = SPAN_DEVIATIONS * float(deviation)
+        reach = lm.SPAN_DEVIATIONS * float(deviation)
         texts = (f"{abs(far):.2g}{unit} {ways[far < 0]}" if far else "none" for far in (read, true))
         text = "read {}, true {}".format(*texts)
         span = {"mean": read, "low": read - reach, "high": read + reach, "true": true}
@@ -115,48 +112,44 @@ class Simulated:
     """
 
     shown: LoadedClip
-    truth: Seen
+    truth: lm.Seen
     facts: dict[str, Any]
     verdict: str
 
 
-def touch_of(name: Any, numbers: Mapping[str, Any], seed: Any) -> Touch:
+def touch_of(name: Any, numbers: Mapping[str, Any], seed: Any) -> lm.Touch:
     """Return the touch of a shape with these fields, or say in one sentence what is wrong."""
-    from geotlm_lm import Touch
-
     given = {field: _number(field, value) for field, value in numbers.items()}
     whole = _number("seed", seed)
     if not whole.is_integer():
-        raise GeoTLMError(f"seed is {whole:g}, expected a whole number from 0.")
-    return Touch("" if name is None else str(name), **given, seed=int(whole))
+        raise lm.GeoTLMError(f"seed is {whole:g}, expected a whole number from 0.")
+    return lm.Touch("" if name is None else str(name), **given, seed=int(whole))
 
 
 def _number(field: str, value: Any) -> float:
     if value is None or value == "":
-        raise GeoTLMError(f"{field} was left empty; give a number.")
+        raise lm.GeoTLMError(f"{field} was left empty; give a number.")
     try:
         return float(value)
     except (TypeError, ValueError) as error:
-        raise GeoTLMError(f"{field} is {str(value)[:40]!r}, expected a number.") from error
+        raise lm.GeoTLMError(f"{field} is {str(value)[:40]!r}, expected a number.") from error
 
 
-def simulate(answerer: Answerer, touch: Touch, preset: str = "fast") -> Simulated:
+def simulate(answerer: lm.Answerer, touch: lm.Touch, preset: str = "fast") -> Simulated:
     """Simulate a touch, ask about it, and compare the answer with the truth."""
-    from geotlm_lm import ask_simulated, simulate_touch
-
-    made = simulate_touch(touch, preset=preset)
+    made = lm.simulate_touch(touch, preset=preset)
     shown = perceive(answerer, made.clip, depth_mm=made.depth_mm)
-    return Simulated(shown, _truth(made, shown), *ask_simulated(answerer, made, shown.encoded))
+    return Simulated(shown, _truth(made, shown), *lm.ask_simulated(answerer, made, shown.encoded))
 
 
-def _truth(made: Any, shown: LoadedClip) -> Seen:
+def _truth(made: Any, shown: LoadedClip) -> lm.Seen:
     seen, contact = shown.seen, made.contact.mean(axis=0)
-    return Seen(
+    return lm.Seen(
         seen.frames,
         seen.idle,
         made.displacement_px[-1],
         contact,
         type(seen.view)(),
         has_contact=bool(contact.any()),
-        scale=TRUE_DISPLACEMENT,
+        scale=lm.TRUE_DISPLACEMENT,
     )

@@ -20,7 +20,7 @@ from urllib.parse import unquote, urlsplit
 
 from typing_extensions import TypedDict
 
-from geotlm_lm import CLIP_SUFFIXES, IMAGE_SUFFIXES, GeoTLMError, declared_length
+import geotlm_lm as lm
 from geotlm_lm.core.errors import nearest
 
 from .guards import INLINE_BYTES, LISTED, MIB, NAME_CHARACTERS, UPLOAD_BYTES
@@ -84,7 +84,7 @@ class Sources:
 
     def __init__(self, uploads: str | Path, served: Path | None = None) -> None:
         if served is not None and not served.is_dir():
-            raise GeoTLMError(
+            raise lm.GeoTLMError(
                 f"--recordings {served} is no folder; give the folder that your recordings lie in."
             )
         self._uploads = Path(uploads).resolve()
@@ -116,12 +116,14 @@ class Sources:
                 yield path
         elif given.startswith("example:"):
             if given not in EXAMPLES:
-                raise GeoTLMError(f"There is no example {given[:80]!r}; {self._advice(given)}")
+                raise lm.GeoTLMError(f"There is no example {given[:80]!r}; {self._advice(given)}")
             yield EXAMPLES[given]
         elif self.is_upload(given):
             path = Path(path_in(given))
             if not path.is_file():
-                raise GeoTLMError("The upload is not on the server any more; send the file again.")
+                raise lm.GeoTLMError(
+                    "The upload is not on the server any more; send the file again."
+                )
             yield path
         else:
             yield self._named(given)
@@ -145,7 +147,7 @@ class Sources:
 
     def _named(self, name: str) -> Path:
         if len(name) > NAME_CHARACTERS or "://" in name or name.startswith(("/", "\\")):
-            raise GeoTLMError(
+            raise lm.GeoTLMError(
                 "The recording is neither a name nor a data URI nor an upload; give a name that "
                 "the tool recordings lists, or send the file itself, in Python by "
                 "handle_file('clip.npz'), elsewhere as 'data:;base64,...'."
@@ -153,9 +155,9 @@ class Sources:
         stored = self._stored_at(name)
         if stored is None:
             why = ", as no folder is served" if self._served is None else ""
-            raise GeoTLMError(f"There is no recording {name[:80]!r}{why}; {self._advice(name)}")
+            raise lm.GeoTLMError(f"There is no recording {name[:80]!r}{why}; {self._advice(name)}")
         if stored["size_bytes"] > UPLOAD_BYTES:
-            raise GeoTLMError(
+            raise lm.GeoTLMError(
                 f"{name} is {stored['size_bytes'] // MIB} MiB long, expected at most "
                 f"{UPLOAD_BYTES // MIB}; cut the recording."
             )
@@ -211,7 +213,7 @@ def _length(path: Path) -> dict[str, Any]:
 
 @lru_cache(4 * LISTED)
 def _length_of(path: Path, _: int) -> tuple[int | None, float | None]:
-    return declared_length(path)
+    return lm.declared_length(path)
 
 
 def _recording(path: Path, name: str) -> StoredRecording | None:
@@ -223,10 +225,10 @@ def _recording(path: Path, name: str) -> StoredRecording | None:
         name.encode()
         if _is_plain(path, False):
             suffix = path.suffix.lower()
-            kind, size_bytes = suffix[1:] * (suffix in CLIP_SUFFIXES), path.stat().st_size
+            kind, size_bytes = suffix[1:] * (suffix in lm.CLIP_SUFFIXES), path.stat().st_size
         elif _is_plain(path, True):
             entries = [path / entry for entry in os.listdir(path)]
-            images = [entry for entry in entries if entry.suffix.lower() in IMAGE_SUFFIXES]
+            images = [entry for entry in entries if entry.suffix.lower() in lm.IMAGE_SUFFIXES]
             is_one = len(images) > 1 and all(_is_plain(image, False) for image in images)
             kind = "images" if is_one else ""
             size_bytes = sum(image.stat().st_size for image in images) if is_one else 0
@@ -251,18 +253,18 @@ def _stored_in(uri: str) -> bytes:
     """Return the file in a data URI."""
     form, _, content = uri.partition(",")
     if not form.endswith(";base64"):
-        raise GeoTLMError(
+        raise lm.GeoTLMError(
             "The clip's data URI is not in base64; send 'data:;base64,' and the file in base64."
         )
     if len(content) > INLINE_BYTES * 4 // 3 + 4:
-        raise GeoTLMError(
+        raise lm.GeoTLMError(
             f"The clip is {len(content) * 3 // 4 / MIB:.0f} MiB long, expected at most "
             f"{INLINE_BYTES // MIB} inside a message; upload it and send its address."
         )
     try:
         return base64.b64decode(content, validate=True)
     except (binascii.Error, ValueError) as error:
-        raise GeoTLMError(
+        raise lm.GeoTLMError(
             "The clip's data URI is cut off or no base64; send the whole file."
         ) from error
 

@@ -14,23 +14,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from geotlm_lm import (
-    COMPONENTS,
-    FRAME_COUNT,
-    TRUE_DISPLACEMENT,
-    Clip,
-    Drawing,
-    Exported,
-    FrameSpec,
-    Seen,
-    Units,
-    arrow_ends,
-    camera_size,
-    change_map,
-    draw_depth,
-    drawing_of,
-    way_phrase,
-)
+import geotlm_lm as lm
 
 from .pictures import PACKS
 from .toolkit import html
@@ -86,7 +70,7 @@ def build(invites: str = OPEN_ONE, actions: str = "", name: str = "stage-block")
 
 
 def stage_of(
-    shown: LoadedClip, name: str, frame: FrameSpec | None = None, truth: Seen | None = None
+    shown: LoadedClip, name: str, frame: lm.FrameSpec | None = None, truth: lm.Seen | None = None
 ) -> dict[str, Any]:
     """Return what the stage shows of a clip that was perceived, as plain JSON values.
 
@@ -103,28 +87,28 @@ def stage_of(
     depth = []
     if seen.depth_mm is not None:
         deepest = float(seen.depth_mm.max())
-        depth = [draw_depth(image, image.shape, deepest) for image in seen.depth_mm]
+        depth = [lm.draw_depth(image, image.shape, deepest) for image in seen.depth_mm]
     values = opening(clip, name, depth) | {"pending": False, "notes": [*shown.source.notes]}
-    units = Units(clip.frames.shape[1:3], mm_per_px)
+    units = lm.Units(clip.frames.shape[1:3], mm_per_px)
     if depth:
         values["deepest_mm"] = round(deepest, 2)
     if encoded.track is not None:
-        drawing, limits = drawing_of(encoded.track, units), limits_of(encoded.track, mm_per_px)
+        drawing, limits = lm.drawing_of(encoded.track, units), limits_of(encoded.track, mm_per_px)
         unknown = unknown_of(encoded.track)
         values["timeline"] = timeline_of(drawing, values["unit"], limits, unknown=unknown)
         values["outlines"] = _outlines(_sent(clip), encoded.track)
         return values
-    moved = motion_of(shown, FrameSpec(mm_per_px=mm_per_px))
+    moved = motion_of(shown, lm.FrameSpec(mm_per_px=mm_per_px))
     values["step"] = step_of(moved, shown)
     has_contact = bool(values["step"]["rows"])
-    changes = [change_map(image, seen.idle) for image in seen.frames] if has_contact else []
+    changes = [lm.change_map(image, seen.idle) for image in seen.frames] if has_contact else []
     values["outlines"] = [outline(change) for change in changes]
     values["motion"] = _told_motion(moved, shown) if has_contact else None
     if truth is not None:
-        ends = arrow_ends(truth.shear_change, truth.mask, truth.view, TRUE_DISPLACEMENT)
+        ends = lm.arrow_ends(truth.shear_change, truth.mask, truth.view, lm.TRUE_DISPLACEMENT)
         values["truth"] = _rounded(ends if truth.has_contact else [])
     values["shear"] = _rounded(
-        arrow_ends(seen.shear_change, seen.mask, seen.view, seen.scale) if has_contact else []
+        lm.arrow_ends(seen.shear_change, seen.mask, seen.view, seen.scale) if has_contact else []
     )
     return values
 
@@ -165,13 +149,13 @@ def _scale_of(*stages: dict[str, Any]) -> dict[str, list[float]]:
     return {name: [float(min(each)), float(max(each))] for name, each in ends.items()}
 
 
-def opening(clip: Clip, name: str, depth: Sequence[NDArray[np.uint8]] = ()) -> dict[str, Any]:
+def opening(clip: lm.Clip, name: str, depth: Sequence[NDArray[np.uint8]] = ()) -> dict[str, Any]:
     """Return what the stage shows of a recording before the model has looked at it."""
     kept = _sent(clip)
-    rows, columns = camera_size(*clip.frames.shape[1:3])
+    rows, columns = lm.camera_size(*clip.frames.shape[1:3])
     numbers = np.array(kept.frame_numbers)
     seconds = np.array([kept.second_of(int(number), ASSUMED_HZ) for number in numbers])
-    is_short = len(clip) <= FRAME_COUNT
+    is_short = len(clip) <= lm.FRAME_COUNT
     unit = "s" if kept.is_timed and not is_short else "frame"
     span_s = float(seconds[-1] - seconds[0])
     rate = SHORT_HZ if is_short or span_s <= 0 else (len(kept) - 1) / span_s
@@ -193,7 +177,7 @@ def opening(clip: Clip, name: str, depth: Sequence[NDArray[np.uint8]] = ()) -> d
     }
 
 
-def _sent(clip: Clip) -> Clip:
+def _sent(clip: lm.Clip) -> lm.Clip:
     places = np.linspace(0, len(clip) - 1, min(len(clip), MOST_FRAMES)).round().astype(int)
     return clip.select(places.tolist())
 
@@ -213,37 +197,35 @@ def outline(mask: NDArray[np.floating]) -> list[list[list[float]]]:
     return polygons
 
 
-def _outlines(clip: Clip, track: Any) -> list[list]:
+def _outlines(clip: lm.Clip, track: Any) -> list[list]:
     """Return where each frame of a recording differs from the idle gel while it is touched."""
     if clip.background is None:
         return [[]]
     touched = np.interp(clip.frame_numbers, track.numbers, track.is_touched) >= 0.5
     return [
-        outline(change_map(frame, clip.background)) if is_touched else []
+        outline(lm.change_map(frame, clip.background)) if is_touched else []
         for frame, is_touched in zip(clip.frames, touched, strict=True)
     ]
 
 
-def motion_of(shown: LoadedClip, frame: FrameSpec) -> tuple[Any, ...]:
+def motion_of(shown: LoadedClip, frame: lm.FrameSpec) -> tuple[Any, ...]:
     """Return how a clip moves as its words tell it, the largest motion first: asked aside."""
     session = shown.session.answerer.session(shown.encoded, frame=frame)
     return getattr(session.ask(OF_MOTION).values[0], "movements", ())
 
 
-def way_of(shown: LoadedClip, frame: FrameSpec) -> Any:
+def way_of(shown: LoadedClip, frame: lm.FrameSpec) -> Any:
     """Return the way of the largest motion that the stage shows; None where there is none."""
     return next((movement.way for movement in motion_of(shown, frame)), None)
 
 
 def step_of(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any]:
     """Return each component of a short clip's motion, from end to end, and its detection limit."""
-    from geotlm_lm import LEAST_SURE  # with the model's libraries
-
     belief = shown.encoded.belief
-    if not shown.seen.has_contact or belief.contact < LEAST_SURE:
+    if not shown.seen.has_contact or belief.contact < lm.LEAST_SURE:
         return {"rows": [], "text": "No contact is seen: no motion is claimed."}
     movements = {movement.component: movement for movement in moved}
-    rows = {part: _row(belief, part, movements.get(part)) for part in COMPONENTS}
+    rows = {part: _row(belief, part, movements.get(part)) for part in lm.COMPONENTS}
     text = rows[moved[0].component]["text"] if moved else "does not move"
     return {"rows": list(rows.values()), "text": text}
 
@@ -254,7 +236,7 @@ def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
         limit = "" if component not in belief.limits else _limit(belief, component)
         is_readable = belief.readable.get(component, True)
         return row | {"text": f"none{limit}" if is_readable else "not visible in these pictures"}
-    way, sure = way_phrase(movement), round(100 * movement.chance)
+    way, sure = lm.way_phrase(movement), round(100 * movement.chance)
     if movement.amount is None:
         return row | {"text": way, "sure": sure}
     measured = movement.amount
@@ -280,18 +262,18 @@ def _told_motion(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any] | No
     mean = shown.encoded.belief.mean
     slide = np.float32([[[mean.right_px, mean.down_px]]]) * ("slide" in kinds)
     one_cell = np.ones((1, 1), np.float32)
-    ((begin, end),) = arrow_ends(slide, one_cell, shown.seen.view, TRUE_DISPLACEMENT)
+    ((begin, end),) = lm.arrow_ends(slide, one_cell, shown.seen.view, lm.TRUE_DISPLACEMENT)
     return {"turn": float(mean.turn_deg) * ("turn" in kinds), "travel": _rounded(end - begin)}
 
 
 def limits_of(track: Any, mm_per_px: float | None) -> dict[str, float]:
     """Return how far a component has to go to be seen at all, by its name."""
-    limits = Exported(track, mm_per_px).limits() if len(track) else {}
+    limits = lm.Exported(track, mm_per_px).limits() if len(track) else {}
     return {component.value: round(float(far), 3) for component, far in limits.items()}
 
 
 def timeline_of(
-    drawing: Drawing,
+    drawing: lm.Drawing,
     unit: str,
     limits: dict[str, float],
     since_s: float = -np.inf,
@@ -346,7 +328,7 @@ class GrowingTimeline:
     """
 
     def __init__(self, unit: str, shape: tuple[int, int]) -> None:
-        self._unit, self._units = unit, Units(shape, None)
+        self._unit, self._units = unit, lm.Units(shape, None)
         self._drawn_s = time.monotonic()
         self.values: dict[str, Any] = {}
         """Of the stage; empty at first."""
@@ -358,7 +340,7 @@ class GrowingTimeline:
             return
         track = tracker.so_far
         if len(track):
-            drawing, limits = drawing_of(track, self._units), limits_of(track, None)
+            drawing, limits = lm.drawing_of(track, self._units), limits_of(track, None)
             timeline = timeline_of(drawing, self._unit, limits, unknown=unknown_of(track))
             self.values = {"timeline": timeline}
         self._drawn_s = time.monotonic()

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geotlm_lm import FrameSpec, GeoTLMError, Motion, flow_phrase
+import geotlm_lm as lm
 
 from . import stage
 from .clips import LoadedClip, Reading, compared
@@ -15,9 +15,6 @@ from .conversation import exchanges, facts_of, fields_of, in_frame, suggested
 from .opening import about_clip, nothing_asked, offered
 from .toolkit import Filled
 from .turns import SessionInTurns
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 MOST_OPTIONS = 5
 
@@ -28,7 +25,7 @@ REGION_VALUES = ("shear_change_x", "shear_change_y", "contact_mass")
 class Talking:
     """Answers questions about a clip."""
 
-    answerer: Answerer
+    answerer: lm.Answerer
 
     def ask(
         self,
@@ -41,16 +38,18 @@ class Talking:
         if not question:  # the second of two clicks
             return
         if shown is None:
-            raise GeoTLMError("No recording is open; open one first.")
+            raise lm.GeoTLMError("No recording is open; open one first.")
         if question in shown.refused:
             shown.refused.remove(question)
-            raise GeoTLMError("This was asked of a recording that failed; ask again of this one.")
+            raise lm.GeoTLMError(
+                "This was asked of a recording that failed; ask again of this one."
+            )
         session, size_before = shown.session, shown.session.frame.mm_per_px
         session.frame = replace(session.frame, **fields_of(facts), mm_per_px=mm_per_px or None)
         yield {"chat": exchanges(session, question), "question": ""}
         try:
             answer = session.ask(question)
-        except GeoTLMError:
+        except lm.GeoTLMError:
             yield {"chat": exchanges(session), "question": question}
             raise
         if shown.second is not None and hasattr(answer, "naming"):
@@ -167,29 +166,27 @@ def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
     motion = answer.direction or stage.way_of(shown, answer.frame)
     fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
     turn, right, down, _ = answer.edit.matrix @ fitted + 0.0  # 0.0 has no sign of its own
-    far = flow_phrase(turn, right, down)
+    far = lm.flow_phrase(turn, right, down)
     sure = f"{100 * probe['probability']:.0f} % (not calibrated)"
     return [
         ["answer", _way(motion), answer.text],
-        ["linear probe", answer.edit.of_way(Motion(probe["motion"])).value, sure],
-        ["optical flow", answer.edit.of_way(Motion(flow["motion"])).value, far],
+        ["linear probe", answer.edit.of_way(lm.Motion(probe["motion"])).value, sure],
+        ["optical flow", answer.edit.of_way(lm.Motion(flow["motion"])).value, far],
     ]
 
 
-def _way(direction: Motion | None) -> str:
+def _way(direction: lm.Motion | None) -> str:
     return "-" if direction is None else direction.value
 
 
-def _band(answerer: Answerer, details: dict[str, Any]) -> str:
+def _band(answerer: lm.Answerer, details: dict[str, Any]) -> str:
     """Return from where on an answer is told, and where this one stands."""
-    from geotlm_lm import LEAST_SURE  # with the model's libraries
-
     threshold = answerer.bundle.calibration.contact_threshold
     share = details.get("evidence", {}).get("contact_share", 0.0)
     side = "withheld" if details.get("abstained") else "told"
     return (
         f"Contact share {share:.3f}; below {threshold:.3f} no direction is claimed, nor that "
-        f"nothing touches a gel that has changed. What is less than {LEAST_SURE:.0%} sure is a "
+        f"nothing touches a gel that has changed. What is less than {lm.LEAST_SURE:.0%} sure is a "
         f"guess: this answer is {side}."
     )
 
@@ -202,7 +199,7 @@ def code_of(shown: LoadedClip) -> str:
     source, questions = shown.source, [turn.question for turn in shown.session.history]
     name = Path(source.path).name if isinstance(source.path, str) else source.name
     path = name if source.example is None else f"app/{Path(source.path).parent.name}/{name}"
-    frame, usual = shown.session.frame, FrameSpec()
+    frame, usual = shown.session.frame, lm.FrameSpec()
     stated = {field.name: getattr(frame, field.name) for field in fields(frame)}
     stated = {field: value for field, value in stated.items() if value != getattr(usual, field)}
     span = "" if source.span is None else f", span={source.span}"

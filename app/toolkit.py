@@ -6,7 +6,7 @@ from html import escape
 from pathlib import Path
 from typing import Any
 
-from geotlm_lm import GeoTLMError
+import geotlm_lm as lm
 from geotlm_lm.core.errors import require_package
 
 from .guards import AT_ONCE
@@ -104,7 +104,7 @@ def filling(
             for values in function(*given):
                 yield {parts[name]: sent(name, each) for name, each in (emptied | values).items()}
                 emptied = {}
-        except GeoTLMError as error:
+        except lm.GeoTLMError as error:
             # A recording's name is part of the sentence, and anybody may have chosen it.
             yield {parts[COMPLAINT]: escape(str(error), quote=False)}
             return

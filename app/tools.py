@@ -10,7 +10,7 @@ from typing import Any, get_type_hints
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
-from geotlm_lm import GeoTLMError
+import geotlm_lm as lm
 from geotlm_lm.core.errors import choice_of
 
 from .guards import BUSY_TITLE, Busy
@@ -82,18 +82,18 @@ class Tool:
         try:
             checked = self.parameters.model_validate(dict(given))
         except ValidationError as error:
-            raise GeoTLMError(self._sentence(error)) from None
+            raise lm.GeoTLMError(self._sentence(error)) from None
         arguments = dict(checked)
         for name, group in self.groups.items():
             arguments[name] = group(**{each: arguments.pop(each) for each in group.model_fields})
         try:
             result = self.function(**arguments)
             return self.output.dump_python(result, mode="json", warnings=False)
-        except GeoTLMError:
+        except lm.GeoTLMError:
             raise
         except Exception as error:
             logger.exception("the tool %s failed", self.name)
-            raise GeoTLMError(OUR_FAULT) from error
+            raise lm.GeoTLMError(OUR_FAULT) from error
 
     def serve(self) -> None:
         """Serve the tool over REST; call it inside the `gradio.Blocks`."""
@@ -108,7 +108,7 @@ class Tool:
         def call(*given: Any) -> dict[str, Any]:
             try:
                 return self.call(dict(zip(self._names, map(path_in, given), strict=True)))
-            except GeoTLMError as error:
+            except lm.GeoTLMError as error:
                 title = {"title": BUSY_TITLE} if isinstance(error, Busy) else {}
                 raise gradio().Error(str(error), print_exception=False, **title) from error
 

@@ -14,12 +14,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from queue import SimpleQueue
 from threading import Condition, Event, Lock, Thread
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from geotlm_lm import GeoTLMError
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer, FrameSpec
+import geotlm_lm as lm
 
 SLICE_S = 0.4
 """Time after which a turn is over if one other waits; of more each waits for its share of this."""
@@ -98,7 +95,7 @@ class Turn:
             self._since_s = time.monotonic()
 
 
-class Stopped(GeoTLMError):
+class Stopped(lm.GeoTLMError):
     """What was begun is wanted no more."""
 
 
@@ -198,12 +195,12 @@ class SessionInTurns(_InTurns):
         self._asking = None
 
     @property
-    def frame(self) -> FrameSpec:
+    def frame(self) -> lm.FrameSpec:
         """The frame of reference that holds now."""
         return self._shared.frame
 
     @frame.setter
-    def frame(self, frame: FrameSpec) -> None:
+    def frame(self, frame: lm.FrameSpec) -> None:
         self._shared.frame = frame
 
 
@@ -222,11 +219,11 @@ class TrackerInTurns(_InTurns):
 class LazyAnswerer:
     """Becomes an `Answerer` at its first use, so that the page stands before it is loaded."""
 
-    def __init__(self, load: Callable[[], Answerer]) -> None:
+    def __init__(self, load: Callable[[], lm.Answerer]) -> None:
         self._load, self._lock = load, Lock()
-        self._loaded: Answerer | None = None
+        self._loaded: lm.Answerer | None = None
 
-    def load(self) -> Answerer:
+    def load(self) -> lm.Answerer:
         """Return the model; other threads wait while one loads it; an error is tried again."""
         with self._lock:
             if self._loaded is None:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import geotlm_lm as lm
 
 from . import guards
 from .agents import PATH, AgentServer, require_mcp
 from .pictures import ROUTE, serve_pack
 from .toolkit import MODEL_LINE, gradio, report_progress
 from .turns import AnswererInTurns, Turns
-
-if TYPE_CHECKING:
-    from geotlm_lm import Answerer
 
 HOST = "127.0.0.1"
 """Where the page listens: on this machine only."""
@@ -60,7 +59,7 @@ MONO = ("ui-monospace", "SFMono-Regular", "Menlo", "Consolas", "monospace")
 STYLES = [str(Path(__file__).with_name("page.css"))]
 
 
-def build(answerer: Answerer, recordings: Path | None = None) -> Any:
+def build(answerer: lm.Answerer, recordings: Path | None = None) -> Any:
     """Return the page (a `gradio.Blocks`), not yet served; its `tools` are what programs call.
 
     Args:

@@ -19,7 +19,7 @@ httpx = pytest.importorskip("httpx", reason="asking the page needs httpx (extra:
 pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
 
-from app import clips, guards, ui  # noqa: E402
+from app import guards, ui  # noqa: E402
 from app.clips import read_named  # noqa: E402
 from app.guards import TAKEN, Budget, Busy, Guard  # noqa: E402
 from geotlm_lm import GeoTLMError  # noqa: E402
@@ -51,7 +51,7 @@ def test_a_recording_that_fails_gives_its_share_back(small, path, monkeypatch):
     def fail(*_, **__):
         raise GeoTLMError("no")
 
-    monkeypatch.setattr(clips, "read_clip", fail)
+    monkeypatch.setattr("geotlm_lm.read_clip", fail)
     with pytest.raises(GeoTLMError, match="^no$"):
         read_named(path)
     assert small.taken_bytes == 0
