@@ -12,9 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import geotlm_lm as lm
-
-from .agents import require_mcp
-from .toolkit import gradio
+from geotlm_lm.core.errors import require_package
 
 PREFIX, LOCK = "geotlm-lm-app-", ".lock"
 """Beginning of the names of servers' folders, and the file in each that its server locks."""
@@ -35,12 +33,13 @@ def serve(port: int | None = None, *, mcp: bool = False, recordings: Path | None
         GeoTLMError: If the toolkit or the model is missing, or the port is taken.
     """
     with own_cache_folder():  # before the toolkit is imported, which looks for it
-        gradio()  # refused before the model is loaded
-        if mcp:
-            require_mcp()
+        require_package("gradio", "The app needs gradio", "app")
+        from .agents import require_mcp
         from .turns import LazyAnswerer
         from .ui import build, launch
 
+        if mcp:  # refused before the model is loaded
+            require_mcp()
         model = LazyAnswerer(lambda: lm.Answerer.load())
         page = build(model, recordings)
         try:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+import gradio as gr
+
 import geotlm_lm as lm
 
 from . import conversation, opening, stage
@@ -12,11 +14,11 @@ from .clips import SUFFIXES
 from .guards import TOPIC_CHARACTERS
 from .opening import Opening
 from .talking import Talking
-from .toolkit import COMPLAINT, MODEL, PRIVATE, QUIET, Filled, filling, gradio, html
+from .toolkit import MODEL, QUIET, Filled, html, on
 
 ANSWERED = (
     *("chat", "evidence", "code", "last", "question", "frame", "mm_per_px", "framed", "chips"),
-    *("saving", "stage", "stage_second", COMPLAINT),
+    *("saving", "stage", "stage_second"),
 )
 """What is filled when a question is answered."""
 
@@ -29,7 +31,6 @@ OPENED = (
 
 def build(answerer: lm.Answerer, page: Any) -> None:
     """Lay the tab out and connect it; an example is opened with the page (a `gradio.Blocks`)."""
-    gr = gradio()
     states = ("shown", "source", "reading", "last")
     parts: dict[str, Any] = {name: gr.State() for name in states}
     with gr.Row(elem_classes=["ask"]):
@@ -49,16 +50,16 @@ def build(answerer: lm.Answerer, page: Any) -> None:
         )
         parts["examples"] = opening.strip()
     with conversation.drawer():
-        parts |= _details(gr)
+        parts |= _details()
     talking = Talking(answerer)
     opens = Opening(answerer, talking)
-    _connect_opening(gr, parts, opens, page)
+    _connect_opening(parts, opens, page)
     page.warm = opens.warm
     conversation.connect(parts, talking, "shown", ANSWERED)
-    _connect_saving(gr, parts)
+    _connect_saving(parts)
 
 
-def _details(gr: Any) -> dict[str, Any]:
+def _details() -> dict[str, Any]:
     """Lay out what is in the drawer."""
     parts: dict[str, Any] = {"evidence": html({}, "<div></div>", "evidence")}
     parts |= conversation.frame_of_reference()
@@ -88,47 +89,32 @@ CODE = '<button type="button" hidden>Copy</button><pre tabindex="0" aria-label="
 PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Python, MCP</a></p>'
 
 
-def _connect_opening(gr: Any, parts: dict[str, Any], opens: Opening, page: Any) -> None:
-    before = [parts[name] for name in ("frame", "mm_per_px", "shown")]
-    outputs = [parts[name] for name in OPENED]
-    asked = [parts[name] for name in ("question", "frame")]
-    at_stage = {**QUIET, **MODEL}
-    files, upload = parts["files"], filling(parts, opens.upload)
-    for trigger in (files.upload, files.clear, files.delete):
-        trigger(upload, [files, *before], outputs, **at_stage)
+def _connect_opening(parts: dict[str, Any], opens: Opening, page: Any) -> None:
+    before = ("frame", "mm_per_px", "shown")
+    at_stage, files = {**QUIET, **MODEL}, parts["files"]
 
-    def open_example(*given: Any) -> Iterator[Filled]:
-        *now, event = given
+    def open_example(event: gr.EventData, *now: Any) -> Iterator[Filled]:
         yield from opens.example(str(event._data.get("example")), *now)
 
-    clicked = filling(parts, open_example, gr.EventData)
-    parts["examples"].click(clicked, before, outputs, **at_stage)
-    spanned = [parts[name] for name in ("source", "first", "last_frame", "topic")]
-    again = filling(parts, opens.read_again)
-    parts["read"].click(again, [*spanned, *before], outputs, **at_stage)
-
-    compares = [parts[name] for name in ("stage_second", "shown", COMPLAINT)]
-    comparing = filling(parts, opens.compare)
-    parts["stage"].expand(comparing, parts["shown"], compares, queue=False, **PRIVATE)
-    closing = filling(parts, opens.close_second)
-    parts["stage_second"].collapse(closing, parts["shown"], outputs, **at_stage)
-
-    def visit(request: Any) -> Iterator[Filled]:
+    def visit(request: gr.Request) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
 
-    page.load(filling(parts, visit, gr.Request), None, outputs + asked, **at_stage)
-    stopping, shown = filling(parts, opens.stop), [parts[COMPLAINT]]
-    for name in ("stage", "stage_second"):
-        parts[name].stop(stopping, parts["reading"], shown, queue=False, **QUIET)
+    changed = (files.upload, files.clear, files.delete)
+    on(parts, changed, opens.upload, ("files", *before), OPENED, **at_stage)
+    on(parts, [parts["examples"].click], open_example, before, OPENED, **at_stage)
+    spanned = ("source", "first", "last_frame", "topic", *before)
+    on(parts, [parts["read"].click], opens.read_again, spanned, OPENED, **at_stage)
+    compares = ("stage_second", "shown")
+    on(parts, [parts["stage"].expand], opens.compare, ["shown"], compares, queue=False)
+    closing = parts["stage_second"].collapse
+    on(parts, [closing], opens.close_second, ["shown"], OPENED, **at_stage)
+    on(parts, [page.load], visit, (), (*OPENED, "question", "frame"), **at_stage)
+    stopped = (parts["stage"].stop, parts["stage_second"].stop)
+    on(parts, stopped, opens.stop, ["reading"], queue=False, **QUIET)
 
 
-def _connect_saving(gr: Any, parts: dict[str, Any]) -> None:
-    def save(shown: Any, event: Any) -> Iterator[Filled]:
+def _connect_saving(parts: dict[str, Any]) -> None:
+    def save(shown: Any, event: gr.EventData) -> Iterator[Filled]:
         yield {"saving": opening.saved(str(event._data.get("kind")), shown)}
 
-    parts["saving"].click(
-        filling(parts, save, gr.EventData),
-        [parts["shown"]],
-        [parts["saving"], parts[COMPLAINT]],
-        **PRIVATE,
-    )
+    on(parts, [parts["saving"].click], save, ["shown"], ["saving"])

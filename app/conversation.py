@@ -6,20 +6,12 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+import gradio as gr
+
 import geotlm_lm as lm
 
 from .guards import QUESTION_CHARACTERS
-from .toolkit import (
-    COMPLAINT,
-    MODEL,
-    PRIVATE,
-    QUIET,
-    Filled,
-    complaint,
-    filling,
-    gradio,
-    html,
-)
+from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, html, on
 
 if TYPE_CHECKING:
     from .clips import LoadedClip
@@ -165,7 +157,7 @@ TALK = (
 
 def talk(empty: str = EMPTY) -> dict[str, Any]:
     """Lay out the conversation; the question comes first for the keyboard."""
-    gr, parts = gradio(), {}
+    parts = {}
     with gr.Row(elem_classes=["ask-line"]):
         parts["question"] = gr.Textbox(
             label="Question",
@@ -189,7 +181,7 @@ def talk(empty: str = EMPTY) -> dict[str, Any]:
 @contextmanager
 def drawer() -> Iterator[None]:
     """Lay out what a first look does without: it slides in from the right."""
-    with gradio().Column(elem_classes=["drawer"]):
+    with gr.Column(elem_classes=["drawer"]):
         head = (
             "<h3>Details</h3>"
             '<button type="button" class="drawer-close" aria-label="Close the details">✕</button>'
@@ -200,7 +192,7 @@ def drawer() -> Iterator[None]:
 
 def frame_of_reference() -> dict[str, Any]:
     """Lay out the facts that directions and lengths are told by."""
-    gr, parts = gradio(), {}
+    parts = {}
     gr.Markdown(
         "#### Frame of reference\nDirections are told **as seen in the camera image** (looking out "
         "of the sensor at the object), for the object relative to the sensor. Check what is "
@@ -216,50 +208,33 @@ def frame_of_reference() -> dict[str, Any]:
 
 def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Sequence[str]) -> None:
     """Connect the conversation about what a part holds, and the facts beside it."""
-    gr = gradio()
-    asked = [parts[name] for name in ("question", about, "frame", "mm_per_px")]
-    outputs = [parts[name] for name in answered]
-    options = {**PRIVATE, "show_progress_on": [parts["chips"]], **MODEL}
-    asking, again = filling(parts, talking.ask), filling(parts, talking.again)
-    waited = [parts[name] for name in ("question", "reading", about) if name in parts]
-    ended = [parts["chat"], parts[COMPLAINT]]
+    beside, chat, size = (about, "frame", "mm_per_px"), parts["chat"], parts["mm_per_px"]
+    options = {"show_progress_on": [parts["chips"]], **MODEL}
 
-    def ask(trigger: Any) -> Any:
+    def ask(*triggers: Any) -> list[Any]:
         if "reading" in parts:
-            trigger(filling(parts, talking.wait), waited, ended, queue=False, **PRIVATE)
-        return trigger(asking, asked, outputs, **options)
+            waited = ("question", "reading", about)
+            on(parts, triggers, talking.wait, waited, ["chat"], queue=False)
+        return on(parts, triggers, talking.ask, ("question", *beside), answered, **options)
 
-    running = [ask(trigger) for trigger in (parts["ask"].click, parts["question"].submit)]
-    running.append(parts["chat"].retry(again, asked[1:], outputs, **options))
-
-    def take(event: Any) -> Iterator[Filled]:
+    def take(event: gr.EventData) -> Iterator[Filled]:
         yield {"question": str(event._data.get("text", ""))[:QUESTION_CHARACTERS]}
 
-    chosen = parts["chips"].click(
-        filling(parts, take, gr.EventData),
-        None,
-        [parts["question"], parts[COMPLAINT]],
-        queue=False,
-        **PRIVATE,
-    )
-    running.append(ask(chosen.then))
-    ending = {"cancels": running, "show_progress": "hidden", **PRIVATE}
-    # All that is filled with an answer is emptied, but for what is typed.
-    forgotten = [parts[name] for name in (*answered, "shown") if name in parts]
-    parts["chat"].clear(filling(parts, talking.forget), asked[1:], forgotten, **ending)
-    parts["chat"].stop(filling(parts, talking.shown_again), asked[1:], ended, **ending)
-
-    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
-    resized, size = filling(parts, talking.resize), parts["mm_per_px"]
-    for trigger in (size.submit, size.blur):
-        trigger(resized, [parts[about], size], outputs, **QUIET, **MODEL)
-
-    def check(facts: list[str], direction: str | None, event: Any) -> Iterator[Filled]:
+    def check(facts: list[str], direction: str | None, event: gr.SelectData) -> Iterator[Filled]:
         held = update_facts(facts, event.value, event.selected)
         values: Filled = {"framed": in_frame(held, direction)}
         # Boxes that stand as they should are left alone: others may be checked meanwhile.
         yield values if set(held) == set(facts) else values | {"frame": held}
 
-    checked = [parts[name] for name in ("frame", "framed", COMPLAINT)]
-    checking = filling(parts, check, gr.SelectData)
-    parts["frame"].select(checking, [parts["frame"], parts["last"]], checked, **PRIVATE)
+    (chosen,) = on(parts, [parts["chips"].click], take, (), ["question"], queue=False)
+    running = ask(parts["ask"].click, parts["question"].submit, chosen.then)
+    running += on(parts, [chat.retry], talking.again, beside, answered, **options)
+    ending = {"cancels": running, **QUIET}
+    # All that is filled with an answer is emptied, but for what is typed.
+    forgotten = [name for name in (*answered, "shown") if name in parts]
+    on(parts, [chat.clear], talking.forget, beside, forgotten, **ending)
+    on(parts, [chat.stop], talking.shown_again, beside, ["chat"], **ending)
+    # Lengths are in mm, or in pixels again, as soon as the field of the pixel's size is left.
+    resized = (about, "mm_per_px")
+    on(parts, (size.submit, size.blur), talking.resize, resized, answered, **QUIET, **MODEL)
+    on(parts, [parts["frame"].select], check, ("frame", "last"), ("frame", "framed"))

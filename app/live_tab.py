@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
+import gradio as gr
+
 import geotlm_lm as lm
 
 from . import conversation, stage
 from .guards import QUESTION_CHARACTERS
 from .live import LiveSession, LiveTalk, follow_camera, stop, wait_for, watch_recording
 from .sessions import remove_seen
-from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, filling, gradio, sent
+from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, on, sent
 
 INVITES = (
     "Start the camera, or drop a recording here. Leave the gel untouched for the first half "
@@ -21,10 +23,7 @@ INVITES = (
 
 UNWATCHED = "Start a camera or a recording: questions are answered from what was seen by then."
 
-WATCHED = ("stage", "chips", COMPLAINT)
-"""What is filled while frames arrive."""
-
-EMPTIED = (*WATCHED, "chat", "last", "framed", "mm_per_px")
+EMPTIED = ("stage", "chips", "chat", "last", "framed", "mm_per_px")
 """What is filled when something else is watched, or nothing."""
 
 ANSWERED = (*EMPTIED, "question", "frame")
@@ -33,21 +32,20 @@ ANSWERED = (*EMPTIED, "question", "frame")
 
 def build(answerer: lm.Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
-    gr = gradio()
     parts: dict[str, Any] = {"live": gr.State(LiveSession()), "last": gr.State()}
     with gr.Row(elem_classes=["ask", "live"]):
         with gr.Column(elem_classes=["ask-talk"]):
             parts |= conversation.talk(UNWATCHED)
         with gr.Column(elem_classes=["ask-stage"]):
             parts["stage"] = stage.build(invites=INVITES)
-    parts |= _sources(gr)
+    parts |= _sources()
     with conversation.drawer():
         parts |= conversation.frame_of_reference()
     _connect_sources(parts, answerer)
     conversation.connect(parts, LiveTalk(answerer), "live", ANSWERED)
 
 
-def _sources(gr: Any) -> dict[str, Any]:
+def _sources() -> dict[str, Any]:
     parts = {}
     with gr.Row(elem_classes=["sources"]):
         parts["camera"] = gr.Image(
@@ -97,32 +95,11 @@ STOP_CAMERA = """(...given) => {
 
 
 def _connect_sources(parts: dict[str, Any], answerer: lm.Answerer) -> None:
-    gr = gradio()
-    watch = filling(parts, partial(watch_recording, answerer))
-    for trigger in (parts["path"].upload, parts["go"].click):
-        trigger(watch, *_ends(parts, ("path", "live"), EMPTIED), **QUIET, **CAMERA)
-    now = {**QUIET, "queue": False}
-    parts["path"].clear(filling(parts, stop), *_ends(parts, ("live", "path"), EMPTIED), **now)
-
-    beside = parts | {COMPLAINT: parts["refused"]}  # what is wrong with it stands by the condition
-    waits = filling(beside, partial(wait_for, answerer))
-    for trigger in (parts["mark"].click, parts["condition"].submit):
-        ends = _ends(beside, ("condition", "live", "frame", "mm_per_px"), ("stage", COMPLAINT))
-        trigger(waits, *ends, **QUIET, **CAMERA)
-
     def clear(live: LiveSession) -> Iterator[Filled]:
         live.condition = None
         for values in stop(live):
             camera = gr.Image(value=None, visible=False)
             yield values | {"condition": "", "refused": "", "camera": camera}
-
-    # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
-    parts["clear"].click(
-        filling(parts, clear),
-        *_ends(parts, ("live",), (*EMPTIED, "condition", "refused", "camera")),
-        js=STOP_CAMERA,
-        **now,
-    ).then(lambda: gr.Image(visible=True), None, parts["camera"], **now)
 
     # No generator: the toolkit would ask it for more instead of giving it the next frame. Nor does
     # it empty the complaint, ten times a second, which another error may fill.
@@ -134,10 +111,22 @@ def _connect_sources(parts: dict[str, Any], answerer: lm.Answerer) -> None:
             values = {COMPLAINT: str(error)}
         return {parts[name]: sent(name, value) for name, value in values.items()}
 
-    camera, ends = parts["camera"], _ends(parts, ("camera", "live"), EMPTIED)
-    camera.stream(follow, *ends, stream_every=0.1, **QUIET, **CAMERA)
+    path, now = parts["path"], {**QUIET, "queue": False}
+    watched = (path.upload, parts["go"].click)
+    watch = partial(watch_recording, answerer)
+    on(parts, watched, watch, ("path", "live"), EMPTIED, **QUIET, **CAMERA)
+    on(parts, [path.clear], stop, ("live", "path"), EMPTIED, **now)
 
+    beside = parts | {COMPLAINT: parts["refused"]}  # what is wrong with it stands by the condition
+    marked = (parts["mark"].click, parts["condition"].submit)
+    facts = ("condition", "live", "frame", "mm_per_px")
+    on(beside, marked, partial(wait_for, answerer), facts, ["stage"], **QUIET, **CAMERA)
 
-def _ends(parts: dict[str, Any], *names: tuple[str, ...]) -> Iterator[list[Any]]:
-    """Return the components that an event reads and fills."""
-    return ([parts[name] for name in some] for some in names)
+    # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
+    emptied = (*EMPTIED, "condition", "refused", "camera")
+    (cleared,) = on(parts, [parts["clear"].click], clear, ["live"], emptied, js=STOP_CAMERA, **now)
+    cleared.then(lambda: gr.Image(visible=True), None, parts["camera"], **now)
+
+    outputs = [parts[name] for name in (*EMPTIED, COMPLAINT)]
+    camera, inputs = parts["camera"], [parts["camera"], parts["live"]]
+    camera.stream(follow, inputs, outputs, stream_every=0.1, **QUIET, **CAMERA)

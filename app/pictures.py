@@ -17,6 +17,7 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from starlette.responses import Response
 
 from .guards import MIB
 
@@ -74,8 +75,6 @@ PACKS = Packs()
 
 async def serve_pack(request: Any) -> Any:
     """Answer a request for a pack; nobody can guess a key."""
-    from starlette.responses import Response
-
     content = PACKS.content(request.path_params["key"])
     if content is None:
         return Response("These pictures are gone; open the recording again.", 404)

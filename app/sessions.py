@@ -12,6 +12,8 @@ from gradio import File, Request
 from gradio.state_holder import SessionState, StateHolder
 
 from . import guards
+from .clips import LoadedClip
+from .live import LiveSession
 from .toolkit import QUIET
 
 SHOWN_S = 10.0
@@ -63,9 +65,6 @@ class LightSessions(StateHolder):
 
     def let_go(self) -> bool:
         """Close what the visitor has open who was away longest, and return whether anybody had."""
-        from .clips import LoadedClip
-        from .live import LiveSession
-
         for session in list(self.session_data.values()):
             for key, value in list(session.state_data.items()):
                 if isinstance(value, LoadedClip):

@@ -7,13 +7,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+import gradio as gr
 import numpy as np
 
 import geotlm_lm as lm
 
 from . import stage
 from .clips import LoadedClip, perceive
-from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, filling, gradio
+from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, on
 
 OBJECTS = (
     *("key", "bottle_cap", "hex_nut", "screw_head", "coin", "bead", "pen_clip", "textured_ball"),
@@ -34,11 +35,16 @@ COMPONENTS = {
 PRESETS = ("draft", "good")
 """Of the simulator, the quick one first."""
 
-NUMBERS = (
-    *("twist_deg", "slide_x_mm", "slide_y_mm", "press_mm", "depth_mm", "thickness_mm"),
-    "friction",
-)
-"""Fields of a `Touch`, in the order of the sliders."""
+SLIDERS = {
+    "twist_deg": (-60, 60, 15, 1, "Turn, degrees (positive: clockwise)"),
+    "slide_x_mm": (-5, 5, 0.4, 0.1, "Slide to the right, mm"),
+    "slide_y_mm": (-5, 5, 0, 0.1, "Slide down, mm"),
+    "press_mm": (-1.5, 1.5, 0, 0.05, "Press inward, mm (negative: lift)"),
+    "depth_mm": (-0.2, 1.5, 0.6, 0.05, "Depth half-way, mm"),
+    "thickness_mm": (1, 6, 4, 0.1, "Gel thickness, mm"),
+    "friction": (0, 3, 1, 0.1, "Friction coefficient"),
+}
+"""Fields of a `Touch`: least, most, first value, step and label of each."""
 
 
 def build(answerer: lm.Answerer, tab: Any) -> None:
@@ -46,25 +52,27 @@ def build(answerer: lm.Answerer, tab: Any) -> None:
 
     It is simulated when the tab is shown and whenever a slider moves: a draft, then a better one.
     """
-    gr = gradio()
     parts: dict[str, Any] = {}
     with gr.Row(elem_classes=["simulate"]):
         with gr.Column(scale=2, min_width=300):
-            sliders = _sliders(gr)
+            parts["object"] = gr.Dropdown(list(OBJECTS), value="key", label="Object")
+            for field, (low, high, value, step, label) in SLIDERS.items():
+                parts[field] = gr.Slider(low, high, value=value, step=step, label=label)
+            parts["seed"] = gr.Number(value=0, precision=0, minimum=0, label="Seed")
+            sliders = list(parts)
             parts[COMPLAINT] = complaint()
         with gr.Column(scale=3, min_width=320):
             parts["stage"] = stage.build(INVITES)
 
-    shown = [parts["stage"], parts[COMPLAINT]]
+    moved = [tab.select, *(parts[name].input for name in sliders)]
     newest = {**QUIET, **MODEL, "trigger_mode": "always_last"}
-    for trigger in (tab.select, *(slider.input for slider in sliders)):
-        trigger(filling(parts, partial(simulated, answerer)), sliders, shown, **newest)
+    on(parts, moved, partial(simulated, answerer), sliders, ["stage"], **newest)
 
 
 def simulated(answerer: lm.Answerer, name: str, *given: float | None) -> Iterator[Filled]:
     """Yield the stage of a touch by its sliders; one that cannot be leaves the former there."""
     *numbers, seed = given
-    touch = touch_of(name, dict(zip(NUMBERS, numbers, strict=True)), seed)
+    touch = touch_of(name, dict(zip(SLIDERS, numbers, strict=True)), seed)
     for preset in PRESETS:
         made = simulate(answerer, touch, preset)
         values = stage.stage_of(made.shown, name.replace("_", " "), truth=made.truth)
@@ -85,21 +93,6 @@ def _rows(made: Simulated) -> list[dict[str, Any]]:
         span = {"mean": read, "low": read - reach, "high": read + reach, "true": true}
         rows.append({"name": name, "moves": bool(true), "text": text} | span)
     return rows
-
-
-def _sliders(gr: Any) -> list[Any]:
-    """Return the object, what is done to it in the order of `NUMBERS`, and the seed."""
-    return [
-        gr.Dropdown(list(OBJECTS), value="key", label="Object"),
-        gr.Slider(-60, 60, value=15, step=1, label="Turn, degrees (positive: clockwise)"),
-        gr.Slider(-5, 5, value=0.4, step=0.1, label="Slide to the right, mm"),
-        gr.Slider(-5, 5, value=0, step=0.1, label="Slide down, mm"),
-        gr.Slider(-1.5, 1.5, value=0, step=0.05, label="Press inward, mm (negative: lift)"),
-        gr.Slider(-0.2, 1.5, value=0.6, step=0.05, label="Depth half-way, mm"),
-        gr.Slider(1, 6, value=4, step=0.1, label="Gel thickness, mm"),
-        gr.Slider(0, 3, value=1, step=0.1, label="Friction coefficient"),
-        gr.Number(value=0, precision=0, minimum=0, label="Seed"),
-    ]
 
 
 @dataclass(frozen=True, eq=False)

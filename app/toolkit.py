@@ -1,28 +1,18 @@
 """What the tabs share of the toolkit: parts filled by name, errors beside the field, plain text."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import wraps
 from html import escape
 from pathlib import Path
 from typing import Any
 
+import gradio as gr
+
 import geotlm_lm as lm
-from geotlm_lm.core.errors import require_package
 
 from .guards import AT_ONCE
 from .turns import LISTENER
-
-
-def gradio() -> Any:
-    """Return the toolkit, imported only now: the package works without it."""
-    require_package("gradio", "The app needs gradio", "app")
-    import gradio
-
-    return gradio
-
-
-PRIVATE = {"api_visibility": "private"}
-"""Options of every event of the page: programs have tools of their own."""
 
 MODEL_LINE = "model"
 
@@ -33,7 +23,7 @@ those of one visitor wait for each other (`sessions.keep_order`)."""
 CAMERA = {"concurrency_limit": AT_ONCE, "concurrency_id": "camera"}
 """Options of what watches, for as long as it likes: its visitor's questions do not wait for it."""
 
-QUIET = {**PRIVATE, "show_progress": "hidden"}
+QUIET = {"api_visibility": "private", "show_progress": "hidden"}
 """Options of an event whose parts show by themselves that they are being filled."""
 
 
@@ -42,7 +32,7 @@ def report_progress(what: str, done: int, total: int) -> None:
     if (listener := LISTENER.get()) is not None:
         listener(what, done, total)
     else:
-        gradio().Progress()((done, total), desc=what)
+        gr.Progress()((done, total), desc=what)
 
 
 COMPLAINT = "complaint"
@@ -68,7 +58,7 @@ def html(
     if script is None:
         parts = Path(__file__).with_name("parts.js").read_text("utf-8")
         script = f"{parts}\nparts.{part or name}();"
-    return gradio().HTML(
+    return gr.HTML(
         value,
         html_template=template,
         css_template="",
@@ -88,14 +78,16 @@ def sent(name: str, value: Any) -> Any:
 
 
 def filling(
-    parts: Mapping[str, Any], function: Callable[..., Iterator[Filled]], takes: Any = None
+    parts: Mapping[str, Any], function: Callable[..., Iterator[Filled]]
 ) -> Callable[..., Iterator[dict[Any, Any]]]:
     """Return a handler of the toolkit that fills parts with what a function yields for their names.
 
-    Its errors are shown in the complaint. It `takes` as its last argument one of a class of the
-    toolkit that tells what is known of a click or of the visit.
+    Its errors are shown in the complaint. An argument that tells of a click or of the visit has the
+    toolkit's class as its annotation.
     """
 
+    # Not its name: a tool may have the same.
+    @wraps(function, assigned=["__annotations__"])
     def fill(*given: Any) -> Iterator[dict[Any, Any]]:
         values: Filled | None = None
         # Emptied once: what runs on for long must not take away another error.
@@ -111,11 +103,23 @@ def filling(
         if values is None:  # of what yields nothing the toolkit would empty every part
             yield {parts[COMPLAINT]: ""}
 
-    if takes is None:
-        return fill
+    return fill
 
-    # The toolkit finds it by its class, and only where it stands first.
-    def fill_with(about: takes, *given: Any) -> Iterator[dict[Any, Any]]:
-        yield from fill(*given, about)
 
-    return fill_with
+def on(
+    parts: Mapping[str, Any],
+    triggers: Sequence[Callable[..., Any]],
+    function: Callable[..., Iterator[Filled]],
+    reads: Sequence[str] = (),
+    fills: Sequence[str] = (),
+    **options: Any,
+) -> list[Any]:
+    """Let events fill parts with what a function, as of `filling`, makes of others, all by name.
+
+    The complaint is always filled. Programs have tools of their own: no event is one.
+    """
+    handler = filling(parts, function)
+    inputs = [parts[name] for name in reads]
+    outputs = [parts[name] for name in (*fills, COMPLAINT)]
+    options["api_visibility"] = "private"
+    return [trigger(handler, inputs, outputs, **options) for trigger in triggers]

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, get_type_hints
 
+import gradio as gr
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
 import geotlm_lm as lm
@@ -16,7 +17,7 @@ from geotlm_lm.core.errors import choice_of
 from .guards import BUSY_TITLE, Busy
 from .schema import Recording
 from .sources import Upload, path_in
-from .toolkit import MODEL, gradio
+from .toolkit import MODEL
 
 logger = logging.getLogger(__name__)
 
@@ -97,7 +98,7 @@ class Tool:
 
     def serve(self) -> None:
         """Serve the tool over REST; call it inside the `gradio.Blocks`."""
-        gradio().api(self._typed(), api_name=self.name, api_description=self.description, **MODEL)
+        gr.api(self._typed(), api_name=self.name, api_description=self.description, **MODEL)
 
     def _typed(self) -> Callable[..., Any]:
         """Return the tool as the toolkit takes it: plain types, files as its clients send them."""
@@ -110,7 +111,7 @@ class Tool:
                 return self.call(dict(zip(self._names, map(path_in, given), strict=True)))
             except lm.GeoTLMError as error:
                 title = {"title": BUSY_TITLE} if isinstance(error, Busy) else {}
-                raise gradio().Error(str(error), print_exception=False, **title) from error
+                raise gr.Error(str(error), print_exception=False, **title) from error
 
         hints["return"] = get_type_hints(self.function)["return"]
         typed = [

@@ -5,12 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import gradio as gr
+from gradio.utils import get_upload_folder
+from starlette.middleware import Middleware
+from starlette.routing import Route
+
 import geotlm_lm as lm
 
-from . import guards
+from . import ask_tab, guards, live_tab, sessions, simulate_tab
 from .agents import PATH, AgentServer, require_mcp
+from .api import Api
 from .pictures import ROUTE, serve_pack
-from .toolkit import MODEL_LINE, gradio, report_progress
+from .sources import Sources
+from .toolkit import MODEL_LINE, report_progress
+from .tools import Tool
 from .turns import AnswererInTurns, Turns
 
 HOST = "127.0.0.1"
@@ -65,18 +73,7 @@ def build(answerer: lm.Answerer, recordings: Path | None = None) -> Any:
     Args:
         answerer: The model.
         recordings: Folder of recordings that programs may name; None for none.
-
-    Raises:
-        MissingDependency: If gradio is not installed.
     """
-    gr = gradio()
-    from gradio.utils import get_upload_folder
-
-    from . import ask_tab, live_tab, sessions, simulate_tab
-    from .api import Api
-    from .sources import Sources
-    from .tools import Tool
-
     answerer = AnswererInTurns(answerer, Turns(report_progress))
     api = Api(answerer, Sources(get_upload_folder(), recordings))
     tools = [Tool.of(function) for function in api.functions]
@@ -111,11 +108,6 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     Raises:
         MissingDependency: If the protocol's package is missing.
     """
-    from starlette.middleware import Middleware
-    from starlette.routing import Route
-
-    from .sessions import LightSessions, keep_order
-
     routes = [Route(f"/{ROUTE}/{{key}}", serve_pack)]
     served: dict[str, Any] = {"middleware": [Middleware(guards.Guard)], "routes": routes}
     if mcp:
@@ -124,7 +116,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         routes.append(Route(f"/{PATH}", agents))
         served["lifespan"] = agents.lifespan
     page.queue(max_size=guards.QUEUE)
-    keep_order(page._queue, MODEL_LINE)
+    sessions.keep_order(page._queue, MODEL_LINE)
     guards.keep_messages_counted(page._queue)
     app, address, _ = page.launch(
         server_name=HOST,
@@ -138,17 +130,16 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         theme=theme(),
         css_paths=STYLES,
         footer_links=[],
-        i18n=gradio().I18n(en={"common.upload": "Upload"}),  # a key that the toolkit lacks
+        i18n=gr.I18n(en={"common.upload": "Upload"}),  # a key that the toolkit lacks
         mcp_server=False,
         app_kwargs=served,
     )
-    app.state_holder = LightSessions(page)
+    app.state_holder = sessions.LightSessions(page)
     return address
 
 
 def theme() -> Any:
     """Return the page's theme, light and dark; nothing is fetched for it."""
-    gr = gradio()
     base = gr.themes.Base(
         primary_hue=gr.themes.colors.teal,
         secondary_hue=gr.themes.colors.teal,

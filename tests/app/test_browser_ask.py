@@ -5,10 +5,8 @@ import time
 
 import pytest
 
-pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-
-from geotlm_lm import Session  # noqa: E402
-from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
+from geotlm_lm import Session
+from tests.app.browser import CHAT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT
 
 pytestmark = pytest.mark.slow
 

@@ -8,10 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-
-from app import live_tab, sessions  # noqa: E402
-from tests.app.browser import STAGE, TEXT  # noqa: E402
+from app import live_tab, sessions
+from tests.app.browser import STAGE, TEXT
 
 pytestmark = pytest.mark.slow
 

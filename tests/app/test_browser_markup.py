@@ -6,12 +6,10 @@ from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import pytest
 
-pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-
-from geotlm_lm import Session  # noqa: E402
-from geotlm_lm.answering import CAMERA  # noqa: E402
-from tests.app.browser import TEXT  # noqa: E402
-from tests.app.fakes import FakeAnswerer  # noqa: E402
+from geotlm_lm import Session
+from geotlm_lm.answering import CAMERA
+from tests.app.browser import TEXT
+from tests.app.fakes import FakeAnswerer
 
 pytestmark = pytest.mark.slow
 

@@ -9,12 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-
-from app import stage  # noqa: E402
-from tests.app.browser import CHAT, COMPLAINT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT  # noqa: E402
-from tests.app.fakes import FakeAnswerer  # noqa: E402
-from tests.track.recordings import there_and_back  # noqa: E402
+from app import stage
+from tests.app.browser import CHAT, COMPLAINT, NAME, NOTHING_SHOWN, SHOWN, STAGE, TEXT
+from tests.app.fakes import FakeAnswerer
+from tests.track.recordings import there_and_back
 
 pytestmark = pytest.mark.slow
 

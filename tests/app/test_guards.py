@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 httpx = pytest.importorskip("httpx", reason="asking the page needs httpx (extra: app)")
-pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 pytest.importorskip("mcp", reason="serving agents needs mcp (extra: mcp)")
 
 from app import guards, ui  # noqa: E402

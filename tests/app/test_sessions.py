@@ -8,15 +8,12 @@ import time
 from types import SimpleNamespace
 
 import pytest
+from gradio.state_holder import SessionState
 
-pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
-
-from gradio.state_holder import SessionState  # noqa: E402
-
-from app import sessions  # noqa: E402
-from app.__main__ import PREFIX, VARIABLE, own_cache_folder  # noqa: E402
-from app.sessions import LightSession, LightSessions, SessionFiles, remove_seen  # noqa: E402
-from tests.app.fakes import FakeAnswerer, load_clip  # noqa: E402
+from app import sessions
+from app.__main__ import PREFIX, VARIABLE, own_cache_folder
+from app.sessions import LightSession, LightSessions, SessionFiles, remove_seen
+from tests.app.fakes import FakeAnswerer, load_clip
 
 
 def test_a_session_shows_what_the_toolkits_own_does(page):

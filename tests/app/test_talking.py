@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app import conversation as facts
-from app import ui
+from app.__main__ import serve
 from app.clips import Source, perceive
 from app.conversation import fields_of, suggested
 from app.opening import FIRST, examples
@@ -191,7 +191,7 @@ def test_a_question_without_a_clip_is_refused():
 def test_a_missing_toolkit_is_told_with_how_to_get_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gradio", None)
     with pytest.raises(MissingDependency, match="gradio, which is not installed; run `pip "):
-        ui.build(FakeAnswerer())
+        serve()
 
 
 PARTS = {"chat": "the chat", COMPLAINT: "the complaint"}

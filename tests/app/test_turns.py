@@ -210,7 +210,6 @@ def test_a_model_that_cannot_be_loaded_says_so_every_time():
 
 @pytest.mark.slow
 def test_the_page_is_built_without_the_models_libraries():
-    pytest.importorskip("gradio", reason="building the page needs gradio (extra: app)")
     code = (
         "import sys; from app.turns import LazyAnswerer; from app.ui import build; "
         "build(LazyAnswerer(lambda: 1 / 0)); "
