@@ -34,12 +34,9 @@ def serve(port: int | None = None, *, mcp: bool = False, recordings: Path | None
     """
     with own_cache_folder():  # before the toolkit is imported, which looks for it
         require_package("gradio", "The app needs gradio", "app")
-        from .agents import require_mcp
         from .turns import LazyAnswerer
         from .ui import build, launch
 
-        if mcp:  # refused before the model is loaded
-            require_mcp()
         model = LazyAnswerer(lambda: lm.Answerer.load())
         page = build(model, recordings)
         try:

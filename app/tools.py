@@ -1,27 +1,48 @@
-"""Tools as programs and agents see them: typed, checked, with schemas; errors in one sentence."""
+"""Tools as programs and agents see them: typed, checked, with schemas; errors in one sentence.
+
+Programs call them over REST, agents over the Model Context Protocol (extra: mcp).
+"""
 
 from __future__ import annotations
 
 import inspect
+import json
 import logging
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, get_type_hints
+from functools import partial
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any, get_type_hints
 
 import gradio as gr
+from anyio import BrokenResourceError, CapacityLimiter, ClosedResourceError, from_thread, to_thread
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError, create_model
 
 import geotlm_lm as lm
-from geotlm_lm.core.errors import choice_of
+from geotlm_lm.core.errors import MissingDependency, choice_of, require_package
 
-from .guards import BUSY_TITLE, Busy
+from . import guards
 from .schema import Recording
 from .sources import Upload, path_in
 from .toolkit import MODEL
+from .turns import REPORTED_EVERY_S, reported
+
+if TYPE_CHECKING:
+    from mcp.server.lowlevel import Server
+    from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
+    from mcp.shared.context import RequestContext
 
 logger = logging.getLogger(__name__)
 
 OUR_FAULT = "The tool failed, and it is not your fault; the server's log has the reason."
+
+INSTRUCTIONS = (
+    "A camera-based touch sensor (GelSight) records how a touched object moves. Call `recordings` "
+    "for the names you may use, `track` for what happens in a recording, `ask` for an answer in "
+    "words with its confidence, `picture` to look. Directions are those of the camera image, of "
+    f"the object relative to the sensor, unless you say otherwise. {guards.SENTENCE}"
+)
 
 
 @dataclass(frozen=True)
@@ -110,7 +131,7 @@ class Tool:
             try:
                 return self.call(dict(zip(self._names, map(path_in, given), strict=True)))
             except lm.GeoTLMError as error:
-                title = {"title": BUSY_TITLE} if isinstance(error, Busy) else {}
+                title = {"title": guards.BUSY_TITLE} if isinstance(error, guards.Busy) else {}
                 raise gr.Error(str(error), print_exception=False, **title) from error
 
         hints["return"] = get_type_hints(self.function)["return"]
@@ -151,3 +172,107 @@ def _without_titles(schema: Any) -> Any:
         for name, part in schema.items()
         if not (name == "title" and isinstance(part, str))
     }
+
+
+def require_mcp() -> None:
+    """Refuse where the protocol's package is missing, or is one this server is not written for.
+
+    Raises:
+        MissingDependency: If it is so.
+    """
+    require_package("mcp", "--mcp needs the package mcp", "mcp")
+    installed = version("mcp")
+    if not installed.startswith("1."):
+        raise MissingDependency(
+            f"--mcp needs the package mcp from 1.30 to below 2, found {installed}; "
+            f"run `pip install 'geotlm-lm[mcp]'`. Clients may use any version."
+        )
+
+
+def manager_of(tools: list[Tool]) -> StreamableHTTPSessionManager:
+    """Return what serves tools over streamable HTTP; each request stands by itself.
+
+    Each is answered by a stream of events, not by JSON alone: progress may come before the result.
+    """
+    from mcp.server.streamable_http_manager import StreamableHTTPSessionManager
+
+    return StreamableHTTPSessionManager(
+        server_of(tools), stateless=True, max_request_body_size=guards.MESSAGE_BYTES
+    )
+
+
+def server_of(tools: list[Tool]) -> Server:
+    """Return what speaks the protocol, not yet served anywhere."""
+    from mcp import types
+    from mcp.server.lowlevel import Server
+
+    server = Server("geotlm-lm", version=lm.__version__, instructions=INSTRUCTIONS)
+    known = {tool.name: tool for tool in tools}
+    limiter = CapacityLimiter(guards.AT_ONCE)
+
+    @server.list_tools()
+    async def list_tools() -> list[types.Tool]:
+        return [
+            types.Tool(
+                name=tool.name,
+                description=tool.description,
+                inputSchema=tool.input_schema,
+                outputSchema=tool.output_schema,
+                annotations=types.ToolAnnotations(readOnlyHint=True, openWorldHint=False),
+            )
+            for tool in tools
+        ]
+
+    # Parameters are checked by the tool itself, whose sentences say what to do.
+    @server.call_tool(validate_input=False)
+    async def call_tool(name: str, arguments: dict[str, Any]) -> types.CallToolResult:
+        try:
+            if name not in known:
+                raise lm.GeoTLMError(f"There is no tool {name[:80]!r}; {choice_of(name, known)}")
+            call = partial(known[name].call, arguments)
+            result = await to_thread.run_sync(
+                _with_progress, call, server.request_context, limiter=limiter
+            )
+        except lm.GeoTLMError as error:
+            sentence = [types.TextContent(type="text", text=str(error))]
+            meta = {"status": guards.BUSY_STATUS} if isinstance(error, guards.Busy) else None
+            return types.CallToolResult(content=sentence, isError=True, _meta=meta)
+        return types.CallToolResult(content=_content(result), structuredContent=result)
+
+    return server
+
+
+def _with_progress(call: Callable[[], Any], context: RequestContext) -> Any:
+    """Return the result of a call, and send its progress to a client that asked for it.
+
+    The call goes on in another thread, which never waits for the client.
+    """
+    token = None if context.meta is None else context.meta.progressToken
+    if token is None or len(str(token)) > guards.NAME_CHARACTERS:
+        return call()
+    notify, request = context.session.send_progress_notification, str(context.request_id)
+    steps, sent, sent_s = reported(call, lambda *report: report), 0, float("-inf")
+    while True:
+        try:
+            what, done, total = next(steps)
+            # By the protocol it only grows: a second recording is silent as far as the first came.
+            if done > sent and time.monotonic() - sent_s >= REPORTED_EVERY_S:
+                sent, sent_s = done, time.monotonic()
+                from_thread.run(notify, token, done, total, what, request)
+        except StopIteration as ended:
+            return ended.value
+        except (BrokenResourceError, ClosedResourceError):
+            steps.close()
+            raise lm.GeoTLMError("The client that asked has left.") from None
+
+
+def _content(result: dict[str, Any]) -> list[Any]:
+    """Return a result as JSON for clients that read no structure; a picture as a picture."""
+    from mcp import types
+
+    if "png_base64" not in result:
+        return [types.TextContent(type="text", text=json.dumps(result))]
+    image = types.ImageContent(
+        type="image", data=result.pop("png_base64"), mimeType=result["mime_type"]
+    )
+    return [types.TextContent(type="text", text=json.dumps(result)), image]

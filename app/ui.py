@@ -13,16 +13,18 @@ from starlette.routing import Route
 import geotlm_lm as lm
 
 from . import ask_tab, guards, live_tab, sessions, simulate_tab
-from .agents import PATH, AgentServer, require_mcp
 from .api import Api
 from .pictures import ROUTE, serve_pack
 from .sources import Sources
 from .toolkit import MODEL_LINE, report_progress
-from .tools import Tool
+from .tools import Tool, manager_of, require_mcp
 from .turns import AnswererInTurns, Turns
 
 HOST = "127.0.0.1"
 """Where the page listens: on this machine only."""
+
+PATH = "mcp"
+"""Where agents are served, below the page's address."""
 
 NAMED = """() => {
     const name = () => {
@@ -112,9 +114,11 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     served: dict[str, Any] = {"middleware": [Middleware(guards.Guard)], "routes": routes}
     if mcp:
         require_mcp()
-        agents = AgentServer(page.tools)
-        routes.append(Route(f"/{PATH}", agents))
-        served["lifespan"] = agents.lifespan
+        from mcp.server.fastmcp.server import StreamableHTTPASGIApp
+
+        manager = manager_of(page.tools)
+        routes.append(Route(f"/{PATH}", StreamableHTTPASGIApp(manager)))
+        served["lifespan"] = lambda _: manager.run()
     page.queue(max_size=guards.QUEUE)
     sessions.keep_order(page._queue, MODEL_LINE)
     guards.keep_messages_counted(page._queue)

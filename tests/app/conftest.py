@@ -166,11 +166,11 @@ def talk(agents_address):
     from mcp import ClientSession
     from mcp.client.streamable_http import streamable_http_client
 
-    from app import agents
+    from app import ui
 
     async def held(conversation):
         async with (
-            streamable_http_client(f"{agents_address}{agents.PATH}") as (read, write, _),
+            streamable_http_client(f"{agents_address}{ui.PATH}") as (read, write, _),
             ClientSession(read, write) as session,
         ):
             return await conversation(session, await session.initialize())

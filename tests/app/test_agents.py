@@ -12,7 +12,7 @@ import pytest
 
 gradio = pytest.importorskip("gradio", reason="serving the page needs gradio (extra: app)")
 
-from app import agents  # noqa: E402
+from app import tools  # noqa: E402
 from app.__main__ import serve  # noqa: E402
 from geotlm_lm import __version__  # noqa: E402
 from geotlm_lm.core.errors import MissingDependency  # noqa: E402
@@ -177,7 +177,7 @@ def test_each_topic_of_a_bag_is_a_recording_of_its_own(use, bag):
 
 
 def test_a_client_that_wants_to_know_is_told_how_far_tracking_is(talk, folder, monkeypatch):
-    for room in ("agents", "turns"):
+    for room in ("tools", "turns"):
         monkeypatch.setattr(f"app.{room}.REPORTED_EVERY_S", 0.0)
     (folder / "turn.npz").touch()  # so it is tracked anew
     told = []
@@ -205,9 +205,9 @@ def test_a_missing_package_is_told_before_the_model_is_loaded(monkeypatch):
 
 def test_a_package_this_server_is_not_written_for_is_told(monkeypatch):
     pytest.importorskip("mcp")
-    monkeypatch.setattr(agents, "version", lambda _: "2.3.0")
+    monkeypatch.setattr(tools, "version", lambda _: "2.3.0")
     with pytest.raises(MissingDependency, match="below 2, found 2.3.0; run `pip install"):
-        agents.require_mcp()
+        tools.require_mcp()
 
 
 RECORDINGS = [
