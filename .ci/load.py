@@ -29,9 +29,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from app import ui
 from app.__main__ import own_cache_folder
-from app.opening import Opening
+from app.ask_tab import Opening
+from app.conversation import Talking
 from app.sources import EXAMPLES, RECORDING_FOLDER
-from app.talking import Talking
 from app.toolkit import report_progress
 from app.turns import AnswererInTurns, Turns
 from geotlm_lm import Answerer, Touch, read_clip, simulate_touch

@@ -22,7 +22,7 @@ import geotlm_lm as lm
 
 from . import guards
 from .guards import KEPT_OPEN_BYTES, KEPT_OPEN_S
-from .sources import Sources
+from .sources import Source, Sources
 
 Image = NDArray[np.uint8]
 
@@ -37,18 +37,6 @@ ADVICE = {
     "by --topic": "as `topic`, on the page under Details of the Ask tab",
 }
 """Advice for a person at the command line, and for one at the page."""
-
-
-@dataclass(frozen=True)
-class Source:
-    """Where a recording comes from, and which part of it is read."""
-
-    path: Any  # of several images of it, a list; None of what lies in no file
-    name: str
-    example: str | None = None  # its key, where it is one
-    span: tuple[int, int] | None = None  # first and last frame, where only a part was read
-    topic: str | None = None
-    notes: tuple[str, ...] = ()  # that stand below its picture
 
 
 @dataclass(eq=False)

@@ -20,10 +20,9 @@ import geotlm_lm as lm
 
 from . import guards
 from .clips import Image, LoadedClip, perceive, without_folder
-from .conversation import WATCHED, exchanges, fields_of, in_frame
+from .conversation import WATCHED, Talking, exchanges, fields_of, in_frame
 from .pictures import jpeg_address
 from .stage import LANES, limits_of, outline, timeline_of, unknown_of
-from .talking import Talking
 from .toolkit import COMPLAINT, Filled
 
 SHOWN_EVERY_S = 0.25
@@ -69,7 +68,7 @@ NO_GEL_YET = (
 )
 WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
-UNASKED: Filled = {"chat": exchanges(None), "last": None, "framed": "", COMPLAINT: ""}
+UNASKED: Filled = {"chat": exchanges(None), "framed": "", COMPLAINT: ""}
 
 NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
 """What is shown before anything was watched."""

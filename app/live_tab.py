@@ -23,7 +23,7 @@ INVITES = (
 
 UNWATCHED = "Start a camera or a recording: questions are answered from what was seen by then."
 
-EMPTIED = ("stage", "chips", "chat", "last", "framed", "mm_per_px")
+EMPTIED = ("stage", "chips", "chat", "framed", "mm_per_px")
 """What is filled when something else is watched, or nothing."""
 
 ANSWERED = (*EMPTIED, "question", "frame")
@@ -32,7 +32,7 @@ ANSWERED = (*EMPTIED, "question", "frame")
 
 def build(answerer: lm.Answerer) -> None:
     """Lay the tab out and connect it; call it inside a `gradio.Tab`."""
-    parts: dict[str, Any] = {"live": gr.State(LiveSession()), "last": gr.State()}
+    parts: dict[str, Any] = {"live": gr.State(LiveSession())}
     with gr.Row(elem_classes=["ask", "live"]):
         with gr.Column(elem_classes=["ask-talk"]):
             parts |= conversation.talk(UNWATCHED)

@@ -12,7 +12,8 @@ import stat
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
+from dataclasses import dataclass
+from functools import cache, lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, Literal
@@ -35,6 +36,9 @@ EXAMPLES = {f"example:{path.stem}": path for path in sorted(EXAMPLE_FOLDER.glob(
 }
 """Paths of the recordings on offer, by the names that tools take."""
 
+FIRST = "recording_key"
+"""Opened with the page: a touch, a turn there and back, a slip and a release."""
+
 FILE_ROUTE = "/gradio_api/file="
 """What the toolkit puts before the path of an upload."""
 
@@ -52,6 +56,41 @@ BEGINNINGS = {
     ".tiff": (0, b"MM\0*"),  # the same with its numbers the other way round
 }
 """Where a file's kind is written in it, and how: a recording inside a message has no name."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a recording comes from, and which part of it is read."""
+
+    path: Any  # of several images of it, a list; None of what lies in no file
+    name: str
+    example: str | None = None  # its key, where it is one
+    span: tuple[int, int] | None = None  # first and last frame, where only a part was read
+    topic: str | None = None
+    notes: tuple[str, ...] = ()  # that stand below its picture
+
+
+@cache
+def examples() -> dict[str, Source]:
+    """Return what is on offer by keys, whole recordings before clips, the first opened first.
+
+    They are named after what is touched: how it moves is for the model to tell.
+    """
+    offer: dict[str, Source] = {}
+    for path in sorted(RECORDING_FOLDER.glob("*.mov")):
+        key = f"recording_{path.stem}"
+        offer[key] = Source(str(path), path.stem.replace("_", " "), key)
+    offer = dict(sorted(offer.items(), key=lambda item: item[0] != FIRST))
+    for path in EXAMPLES.values():
+        if path.parent == RECORDING_FOLDER:
+            continue
+        touched = path.stem
+        for motion in sorted(lm.Motion, key=lambda motion: -len(motion)):
+            touched = touched.removesuffix(f"_{motion.value}")
+        count = 1 + sum(key.rstrip("_23456789") == touched for key in offer)
+        key = touched if count == 1 else f"{touched}_{count}"
+        offer[key] = Source(str(path), key.replace("_", " "), key)
+    return offer
 
 
 class UploadMeta(TypedDict):

@@ -13,12 +13,11 @@ from urllib.parse import parse_qs
 import numpy as np
 import pytest
 
+from app.ask_tab import Opening, saved
 from app.clips import Reading, Source, perceive
-from app.conversation import EMPTY
-from app.opening import FIRST, Opening, examples, offered, saved
+from app.conversation import EMPTY, Talking, offered
 from app.sources import EXAMPLE_FOLDER as FOLDER
-from app.sources import RECORDING_FOLDER
-from app.talking import Talking
+from app.sources import FIRST, RECORDING_FOLDER, examples
 from geotlm_lm import GeoTLMError, Motion, read_clip
 from geotlm_lm.cli.main import main
 from tests.app.fakes import FakeAnswerer

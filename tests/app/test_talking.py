@@ -11,9 +11,8 @@ import pytest
 from app import conversation as facts
 from app.__main__ import serve
 from app.clips import Source, perceive
-from app.conversation import fields_of, suggested
-from app.opening import FIRST, examples
-from app.talking import Talking, code_of
+from app.conversation import Talking, code_of, fields_of, suggested
+from app.sources import FIRST, examples
 from app.toolkit import COMPLAINT, filling
 from geotlm_lm import FrameSpec, GeoTLMError
 from geotlm_lm.core.errors import MissingDependency
@@ -60,7 +59,7 @@ def test_an_answer_stands_beside_its_evidence(talk):
     assert talk.last["sure"] == 95
     evidence = values["evidence"]
     assert evidence["probabilities"][0] == ("right", 0.97)
-    assert (values["question"], values["last"]) == ("", "right")
+    assert (values["question"], facts.way_seen(talk.shown.session)) == ("", "right")
     assert evidence["notes"] == [
         "Pixels are those of the 80x64 frames; tell the mm per pixel to have mm."
     ]
@@ -75,7 +74,8 @@ def test_an_answer_stands_beside_its_evidence(talk):
 
 
 def test_facts_hold_for_the_turns_that_follow_and_show_in_the_page(talk):
-    assert talk.ask("Which way?", [facts.MIRRORED])["last"] == "right"  # in the camera image
+    talk.ask("Which way?", [facts.MIRRORED])
+    assert facts.way_seen(talk.shown.session) == "right"  # in the camera image
     assert talk.sentence.startswith("It slides left, ")
     checked = talk.ask("I look from the object's side.", [facts.MIRRORED])["frame"]
     assert checked == [facts.MIRRORED, facts.OTHER_SIDE]
