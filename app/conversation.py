@@ -417,7 +417,7 @@ def drawer() -> Iterator[None]:
             "<h3>Details</h3>"
             '<button type="button" class="drawer-close" aria-label="Close the details">✕</button>'
         )
-        html("", head, "drawer-head", part="drawer")
+        html("", head, "drawer-head")
         yield
 
 

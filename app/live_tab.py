@@ -1,18 +1,29 @@
-"""The Live tab: the stage follows a recording, or a sensor that the browser sees as a camera."""
+"""The Live tab: the stage follows a recording, or a sensor that the browser sees as a camera.
+
+A new picture arrives ten times a second, questions are asked meanwhile: what is watched is one
+object that both look at, and whatever sees that it is watched no more ends.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+import secrets
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import gradio as gr
+import numpy as np
 
 import geotlm_lm as lm
 
-from . import conversation, stage
-from .guards import QUESTION_CHARACTERS
-from .live import LiveSession, LiveTalk, follow_camera, stop, wait_for, watch_recording
+from . import conversation, guards, stage
+from .clips import Image, LoadedClip, perceive, without_folder
+from .conversation import WATCHED, Talking, exchanges, fields_of, in_frame
+from .pictures import jpeg_address
 from .sessions import remove_seen
 from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, on, sent
 
@@ -28,6 +39,54 @@ EMPTIED = ("stage", "chips", "chat", "framed", "mm_per_px")
 
 ANSWERED = (*EMPTIED, "question", "frame")
 """What is filled when a question is answered."""
+
+SHOWN_EVERY_S = 0.25
+"""Time between two pictures of a recording; the events come as they are found."""
+
+STARTED_S = 2.0
+"""Time without a frame of the camera after which the next one means that it was just started."""
+
+WINDOW_S, FIRST_WINDOW_S = 30.0, 6.0
+"""Time that the timeline shows while frames arrive, and has room for at first; once they end it
+shows all."""
+
+SIDE, QUALITY = 448, 75
+"""Longer side (pixels) and JPEG quality of what is shown."""
+
+IDLE_AGAIN_S = 5.0
+"""Time after which the idle gel is sent anew: it is followed as the light drifts."""
+
+NOTES_FROM_S = 3.0
+"""Time from which on what is amiss is shown: the idle gel is learnt before."""
+
+KEPT_BYTES = 32 * guards.MIB
+"""Of frames kept for questions, of each stream; of more every second one is dropped."""
+
+LEAST_FRAMES = 5
+"""Fewer are no recording: they would be taken for the four frames of a clip."""
+
+LEAST_KEPT = 3 * LEAST_FRAMES
+"""Frames that are kept however large they are: of half of them enough are settled."""
+
+NOW = re.compile(
+    r"(?<!\bby )(?<!\bto )(?<!\buntil )(?<!\btill )\bnow\b|\b(currently|at the moment)\b",
+    re.IGNORECASE,
+)
+"""What a question asks of the present by; of what happened by now it is asked of all."""
+
+NOW_S = 0.4
+"""How far back the present reaches."""
+
+NO_GEL_YET = (
+    "No untouched gel was seen yet, so that nothing is followed; let go of what touches it for a "
+    "moment."
+)
+WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
+
+UNASKED: Filled = {"chat": exchanges(None), "framed": "", COMPLAINT: ""}
+
+NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
+"""What is shown before anything was watched."""
 
 
 def build(answerer: lm.Answerer) -> None:
@@ -77,7 +136,7 @@ def _sources() -> dict[str, Any]:
                 parts["condition"] = gr.Textbox(
                     label="Mark the moment when",
                     placeholder="it has turned 30 degrees clockwise",
-                    max_length=QUESTION_CHARACTERS,
+                    max_length=guards.QUESTION_CHARACTERS,
                     scale=6,
                     min_width=160,
                 )
@@ -130,3 +189,304 @@ def _connect_sources(parts: dict[str, Any], answerer: lm.Answerer) -> None:
     outputs = [parts[name] for name in (*EMPTIED, COMPLAINT)]
     camera, inputs = parts["camera"], [parts["camera"], parts["live"]]
     camera.stream(follow, inputs, outputs, stream_every=0.1, **QUIET, **CAMERA)
+
+
+class LiveStream:
+    """Follows the frames of one camera or recording; a camera goes on for as long as it likes."""
+
+    def __init__(
+        self, answerer: lm.Answerer, name: str, shape: Sequence[int], *, is_camera: bool = False
+    ) -> None:
+        guards.MEMORY.take(KEPT_BYTES).keep_with(self)
+        self.name, self.shape, self.is_camera = name, tuple(shape), is_camera
+        self.key, self.count, self.is_over = secrets.token_hex(4), 0, False
+        self._answerer, self._tracker = answerer, answerer.tracker()
+        self._kept: list[tuple[int, Image]] = []
+        self._monitor: Any = None
+        self._moment: tuple[float, str] | None = None
+        self._apart, self._stuck = 1, lm.StuckPicture()
+        self._now_s = self._idle_sent_s = -np.inf
+        self._began_s = 0.0 if is_camera else time.monotonic()
+        self._shown: tuple[tuple[int, bool, bool], LoadedClip] | None = None
+        self.session: Any = None  # the conversation; none before the first question
+
+    def feed(self, frame: Image, time_s: float, number: int | None = None) -> list[Any]:
+        """Take in the next frame, as `Tracker.feed`, and return the events that are over."""
+        number = self.count if number is None else number
+        events = self._tracker.feed(frame, time_s, number)
+        if self._monitor is not None and self._moment is None:
+            verdict = self._monitor.judged(time_s, number)
+            if verdict.holds:
+                self._moment = verdict.time_s, verdict.text
+        if self.is_camera:
+            self._stuck.after(frame, time_s)
+        if self.count % self._apart == 0:
+            self._kept.append((number, frame))
+            if len(self._kept) > LEAST_KEPT and len(self._kept) * frame.nbytes > KEPT_BYTES:
+                self._kept, self._apart = self._kept[::2], 2 * self._apart
+        self.count += 1
+        self._now_s = time_s
+        return events
+
+    def wait_for(self, condition: Any) -> None:
+        """Mark the moment at which a condition first holds, in what was seen by now or from now on.
+
+        None waits for nothing.
+        """
+        self._monitor = None if condition is None else lm.Monitor(self._tracker, condition)
+        held = None if self._monitor is None else self._monitor.look_back()
+        self._moment = None if held is None else (held.time_s, held.text)
+
+    def finish(self) -> None:
+        """Take the last events as the end cuts them off; nothing is fed after that."""
+        self._tracker.finish()
+        self.is_over = True
+
+    def stage(self, frame: Image | None = None, mm_per_px: float | None = None) -> dict[str, Any]:
+        """Return what the stage shows now, as plain JSON values; it keeps the pictures before.
+
+        The frame is the last one that was fed; None adds no picture.
+        """
+        track, units = self._tracker.so_far, lm.Units(self.shape[:2], mm_per_px)
+        since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
+        drawing, limits = lm.drawing_of(track, units), stage.limits_of(track, mm_per_px)
+        if not self.is_over:
+            drawing = drawing.up_to(self._now_s, self._tracker.way)
+        idle = self._tracker.idle
+        unknown = tuple(stage.LANES) if idle is None else stage.unknown_of(track)
+        rows, columns = lm.camera_size(*self.shape[:2])
+        window = [max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)]
+        if self.is_over:
+            window = [0.0, self._now_s or FIRST_WINDOW_S]  # of a single frame
+        shows_notes = self.is_over or self._now_s > NOTES_FROM_S
+        learnt = "no untouched gel seen yet" if shows_notes else "learning the idle gel"
+        learnt = learnt if idle is None else "idle gel learnt"
+        return {
+            "stream": self.key,
+            "live": not self.is_over,
+            "name": self.name,
+            "about": f"{learnt} · {self.count} frames{self._speed()}",
+            "aspect": columns / rows,
+            "unit": "s",
+            "loops": False,
+            "window": [round(end, 3) for end in window],
+            "timeline": stage.timeline_of(drawing, "s", limits, since_s, unknown=unknown),
+            "picture": None if frame is None else self._picture(frame, idle),
+            "idle": self._idle_to_send(idle),
+            "condition": self._condition_text(),
+            "marks": [] if self._moment is None else [round(self._moment[0], 3)],
+            "notes": [*filter(None, [self._stuck.note]), *(track.notes if shows_notes else ())],
+        }
+
+    def _speed(self) -> str:
+        """Return how much faster a recording is watched than it was taken."""
+        if self.is_camera or self.is_over:
+            return ""
+        factor = self._now_s / max(time.monotonic() - self._began_s, 1e-3)
+        return f" · {factor:.0f} times as fast" if factor >= 1.5 else ""
+
+    def _condition_text(self) -> str:
+        if self._monitor is None:
+            return ""
+        words = self._monitor.condition.restated
+        if self._moment is not None:
+            return f"From {self._moment[0]:.2f} s on: {words}. {self._moment[1]}"
+        return f"Did not hold: {words}." if self.is_over else f"Waiting for this: {words}."
+
+    def shown(self, *, is_now: bool = False) -> LoadedClip:
+        """Return what was seen up to the last frame, ready for questions; the conversation goes on.
+
+        Of the present it is the last tenths of a second.
+        """
+        if self.count and self._tracker.idle is None:
+            raise lm.GeoTLMError(NO_GEL_YET)
+        track = self._tracker.so_far if self.is_over else self._tracker.now()
+        kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
+        if len(kept) < LEAST_FRAMES:
+            raise lm.GeoTLMError(WATCH_FIRST)
+        if is_now:
+            last = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
+            kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
+            track = track.between(int(last[0]), int(last[-1]))
+        seen = int(track.numbers[-1]), self.is_over, is_now  # its end cuts off the last events
+        if self._shown is not None and self._shown[0] == seen:
+            return self._shown[1]
+        numbers, frames = zip(*kept, strict=True)
+        span_s = float(track.times_s[-1] - track.times_s[0])
+        rate_hz = (int(track.numbers[-1]) - int(track.numbers[0])) / span_s
+        clip = lm.Clip(np.stack(frames), rate_hz, self._tracker.idle, self.name, numbers)
+        grown = perceive(self._answerer, clip, track=track)
+        # Each question looks at other frames: of all of them the conversation keeps four.
+        encoded = replace(grown.encoded, recording=None)
+        if self.session is None:
+            self.session = self._answerer.session(encoded)
+        else:
+            self.session.grow(encoded)
+        grown = replace(grown, encoded=encoded, session=self.session)
+        self._shown = seen, grown
+        return grown
+
+    def forget_talk(self) -> None:
+        """Begin the conversation anew with the next question."""
+        self._shown = self.session = None
+
+    def _picture(self, frame: Image, idle: Image | None) -> dict[str, Any]:
+        return {
+            "at": round(self._now_s, 3),
+            "number": self.count - 1,
+            "image": jpeg_address(frame, SIDE, QUALITY),
+            "outline": [] if idle is None else stage.outline(lm.change_map(frame, idle)),
+        }
+
+    def _idle_to_send(self, idle: Image | None) -> str | None:
+        if idle is None or self._now_s - self._idle_sent_s < IDLE_AGAIN_S:
+            return None
+        self._idle_sent_s = self._now_s
+        return jpeg_address(idle, SIDE, QUALITY)
+
+
+@dataclass
+class LiveSession:
+    """What one visitor watches."""
+
+    stream: LiveStream | None = None  # also once everything was emptied
+    camera_s: float = float("-inf")  # when the camera's last frame came, by the machine's clock
+    began_s: float = 0.0  # when the first one of the stream came, likewise
+    mm_per_px: float | None = None
+    shape: tuple[int, ...] = ()  # of the frames that have pixels of this size
+    condition: Any = None  # whose moment is marked
+
+    def begin(self, stream: LiveStream) -> Filled:
+        """Watch another stream, and return what the parts show of it at first."""
+        values: Filled = {"chips": list(WATCHED)}
+        if self.shape not in ((), stream.shape):
+            self.mm_per_px, values["mm_per_px"] = None, 0  # it was stated of other pixels
+        self.stream, self.shape = stream, stream.shape
+        stream.wait_for(self.condition)
+        return values
+
+
+def wait_for(
+    answerer: lm.Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
+) -> Iterator[Filled]:
+    """Mark the moment when a condition in words first holds; no words wait for nothing.
+
+    One that is refused leaves the condition before it as it is.
+    """
+    frame = lm.FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
+    live.condition = answerer.condition(text, frame=frame) if text.strip() else None
+    if live.stream is None:
+        words = live.condition and f"Will wait for this: {live.condition.restated}."
+        yield {"stage": {"condition": words or ""}}
+    else:
+        live.stream.wait_for(live.condition)
+        yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
+
+
+def watch_recording(answerer: lm.Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
+    """Yield what the parts show while a recording is watched to its end, or until another is."""
+    if not path:
+        raise lm.GeoTLMError("No recording was given; upload one first.")
+    live.stream = None
+    yield NOTHING  # the stream before is gone
+    # A video or a bag is decoded as it is watched, anything else is read whole before.
+    size_bytes = 0 if lm.is_streamed(path) else 2 * lm.declared_bytes(Path(path))
+    with guards.MEMORY.held(size_bytes), without_folder(Path(path).parent):
+        source = iter(lm.open_source(path))
+        frame, shown_s = next(source), float("-inf")
+        stream = LiveStream(answerer, Path(path).name, frame.image.shape)
+        yield live.begin(stream)
+        while frame is not None and live.stream is stream:
+            events = stream.feed(frame.image, frame.time_s, frame.number)
+            last, frame = frame, next(source, None)
+            if live.stream is not stream:  # another is watched since
+                break
+            if frame is None:
+                stream.finish()
+            if events or frame is None or last.time_s - shown_s > SHOWN_EVERY_S:
+                shown_s = last.time_s
+                yield {"stage": stream.stage(last.image, live.mm_per_px)}
+        if live.stream is None:
+            yield NOTHING  # what was on its way when everything was emptied
+
+
+def stop(live: LiveSession, *_: Any) -> Iterator[Filled]:
+    """End the watching, forget what a camera showed so far, and show nothing."""
+    live.stream, live.camera_s = None, float("-inf")
+    yield NOTHING
+
+
+def follow_camera(answerer: lm.Answerer, frame: Image | None, live: LiveSession) -> Filled:
+    """Take in one camera frame and return what the parts show then, of those that change.
+
+    Frames of another size are another camera: it is followed from its own beginning, as is one
+    after everything was emptied. While a recording is watched only a camera that was just started
+    takes its place. The frame is None when the camera was stopped.
+    """
+    if frame is None:
+        return {}
+    now_s, before_s = time.monotonic(), live.camera_s
+    live.camera_s = now_s
+    stream, values = live.stream, {}
+    is_new = stream is None or (stream.is_camera and stream.shape != frame.shape)
+    if stream is not None and not stream.is_camera:
+        is_new = now_s - before_s > STARTED_S
+        if not is_new:
+            return {}
+    if is_new and not frame.any():  # what a browser sends before its camera's first picture
+        return {}
+    if is_new:
+        stream = LiveStream(answerer, "camera", frame.shape, is_camera=True)
+        live.began_s = now_s
+        values = UNASKED | live.begin(stream)
+    stream.feed(frame, now_s - live.began_s)
+    if live.stream is not stream:  # emptied meanwhile
+        return {}
+    return values | {"stage": stream.stage(frame, live.mm_per_px)}
+
+
+class LiveTalk(Talking):
+    """Answers questions about what is watched, as far as it was seen when they are asked."""
+
+    def ask(
+        self, question: str, live: LiveSession, facts: list[str], mm_per_px: float | None
+    ) -> Iterator[Filled]:
+        """As `Talking.ask`, unless something else is watched when the answer comes."""
+        if (stream := live.stream) is None:
+            raise lm.GeoTLMError(WATCH_FIRST)
+        shown = stream.shown(is_now=bool(NOW.search(question)))
+        for values in super().ask(question, shown, facts, mm_per_px):
+            if live.stream is not stream:
+                continue
+            if "mm_per_px" in values:  # perhaps stated in the question
+                for redrawn in self.resize(live, values["mm_per_px"]):
+                    values |= redrawn
+            yield values
+
+    def session_of(self, live: LiveSession) -> Any:
+        """As `Talking.session_of`."""
+        return None if live.stream is None else live.stream.session
+
+    def redraw(self, _: LoadedClip) -> Filled:
+        """Nothing yet: the stage shows more than the question was about."""
+        return {}
+
+    def beside(self, *_: Any) -> Filled:
+        """Nothing: what an answer rests on is gone soon."""
+        return {}
+
+    def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
+        """Begin the conversation anew; the frame that the page shows still holds."""
+        if live.stream is not None:
+            live.stream.forget_talk()
+        chips = [] if live.stream is None else list(WATCHED)
+        yield UNASKED | {"framed": in_frame(facts, None), "chips": chips}
+
+    def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:
+        """Tell lengths by another size of a pixel."""
+        size = lm.FrameSpec(mm_per_px=mm_per_px or None).mm_per_px
+        if size == live.mm_per_px:
+            return
+        live.mm_per_px = size
+        if live.stream is not None:
+            yield {"stage": live.stream.stage(mm_per_px=size)}

@@ -89,7 +89,7 @@ const parts = {
     showNowAndLater(show);
   },
 
-  drawer() {
+  "drawer-head"() {
     element.querySelector("button").onclick = () => element.closest(".tabitem").querySelector("[data-part=details]").click();
   },
 

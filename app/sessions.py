@@ -13,7 +13,6 @@ from gradio.state_holder import SessionState, StateHolder
 
 from . import guards
 from .clips import LoadedClip
-from .live import LiveSession
 from .toolkit import QUIET
 
 SHOWN_S = 10.0
@@ -70,7 +69,7 @@ class LightSessions(StateHolder):
                 if isinstance(value, LoadedClip):
                     session.state_data.pop(key, None)
                     return True
-                if isinstance(value, LiveSession) and value.stream is not None:
+                if getattr(value, "stream", None) is not None:  # what is watched live
                     value.stream = None
                     return True
         return False

@@ -47,17 +47,15 @@ def complaint() -> Any:
     return html("", '<p role="alert">${value}</p>', "complaint")
 
 
-def html(
-    value: Any, template: str, name: str, script: str | None = None, *, part: str | None = None
-) -> Any:
+def html(value: Any, template: str, name: str, script: str | None = None) -> Any:
     """Return a component of the page's own, whose script is run when it is laid out.
 
-    The name is its class in the style sheet; its script is a part of `parts.js`, named likewise
-    unless a part or a script is given.
+    The name is its class in the style sheet; unless a script is given it is the part of `parts.js`
+    that is named likewise.
     """
     if script is None:
         parts = Path(__file__).with_name("parts.js").read_text("utf-8")
-        script = f"{parts}\nparts.{part or name}();"
+        script = f"{parts}\nparts['{name}']();"
     return gr.HTML(
         value,
         html_template=template,

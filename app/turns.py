@@ -130,9 +130,13 @@ def reported(work: Callable[[], Any], show: Report) -> Iterator[Any]:
 
 
 class _InTurns:
-    """Stands for something that uses the model: the methods named here wait for their turn."""
+    """Stands for something that uses the model: the methods named here wait for their turn.
+
+    Of these the `sharing` ones report how far they are, and let others in meanwhile.
+    """
 
     waiting: tuple[str, ...] = ()
+    sharing: tuple[str, ...] = ()
 
     def __init__(self, shared: Any, turns: Turns) -> None:
         self._shared, self._turns = shared, turns
@@ -143,7 +147,9 @@ class _InTurns:
             return value
 
         def call(*given: Any, **named: Any) -> Any:
-            with self._turns.turn():
+            with self._turns.turn() as turn:
+                if name in self.sharing:
+                    named["progress"] = turn.progress
                 return value(*given, **named)
 
         return call
@@ -152,17 +158,8 @@ class _InTurns:
 class AnswererInTurns(_InTurns):
     """An `Answerer` that waits for its turn; tracking lets others in between two frames."""
 
-    waiting = ("ask", "compare", "condition")
-
-    def encode(self, clip: Any, **named: Any) -> Any:
-        """As `Answerer.encode`."""
-        with self._turns.turn() as turn:
-            return self._shared.encode(clip, progress=turn.progress, **named)
-
-    def track(self, recording: Any) -> Any:
-        """As `Answerer.track`."""
-        with self._turns.turn() as turn:
-            return self._shared.track(recording, progress=turn.progress)
+    sharing = ("encode", "track")
+    waiting = ("ask", "compare", "condition", *sharing)
 
     def tracker(self, recording: Any = None) -> TrackerInTurns:
         """As `Answerer.tracker`; each frame waits for its turn."""

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from app import live
-from app.live import (
+from app import live_tab as live
+from app.live_tab import (
     NOTHING,
     NOW_S,
     LiveSession,
