@@ -386,22 +386,21 @@ TALK = (
 )
 
 
+def line_of_words(
+    label: str, placeholder: str, word: str, variant: Any = "secondary", **shown: Any
+) -> tuple[Any, Any]:
+    """Lay out a field for a question or a condition, and the button that sends it."""
+    bounds = {"max_length": QUESTION_CHARACTERS, "scale": 6, "min_width": 160}
+    with gr.Row(elem_classes=["ask-line"]):
+        box = gr.Textbox(label=label, placeholder=placeholder, **bounds, **shown)
+        return box, gr.Button(word, variant=variant, scale=1, min_width=64)
+
+
 def talk(empty: str = EMPTY) -> dict[str, Any]:
     """Lay out the conversation; the question comes first for the keyboard."""
-    parts = {}
-    with gr.Row(elem_classes=["ask-line"]):
-        parts["question"] = gr.Textbox(
-            label="Question",
-            show_label=False,
-            container=False,
-            placeholder="Ask how it moves",
-            max_length=QUESTION_CHARACTERS,
-            max_lines=3,
-            scale=6,
-            min_width=160,
-            elem_classes=["question"],
-        )
-        parts["ask"] = gr.Button("Ask", variant="primary", scale=1, min_width=64)
+    shown = {"show_label": False, "container": False, "max_lines": 3, "elem_classes": ["question"]}
+    box, button = line_of_words("Question", "Ask how it moves", "Ask", "primary", **shown)
+    parts = {"question": box, "ask": button}
     parts[COMPLAINT] = complaint()
     parts["chat"] = html({"empty": empty}, TALK, "talk")
     group = '<div role="group" aria-label="Questions to try"></div>'

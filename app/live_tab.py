@@ -132,15 +132,8 @@ def _sources() -> dict[str, Any]:
                     "Stop and clear", min_width=120, elem_classes=["only-shown"]
                 )
         with gr.Column(min_width=220):
-            with gr.Row(elem_classes=["ask-line"]):
-                parts["condition"] = gr.Textbox(
-                    label="Mark the moment when",
-                    placeholder="it has turned 30 degrees clockwise",
-                    max_length=guards.QUESTION_CHARACTERS,
-                    scale=6,
-                    min_width=160,
-                )
-                parts["mark"] = gr.Button("Mark", scale=1, min_width=64)
+            words = ("Mark the moment when", "it has turned 30 degrees clockwise", "Mark")
+            parts["condition"], parts["mark"] = conversation.line_of_words(*words)
             parts["refused"] = complaint()
     return parts
 

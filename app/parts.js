@@ -17,7 +17,10 @@ function button(text, act, name) {
   return one;
 }
 
-function showNowAndLater(show) {
+// What a part returns, if anything, shows its value, now and whenever that changes.
+function run(part) {
+  const show = part && part();
+  if (!show) return;
   watch("value", show);
   show();
 }
@@ -63,19 +66,9 @@ function exchange({ question, answer, sure }) {
 }
 
 const parts = {
-  complaint() {},
-
   talk() {
     const [list, clear, details] = ["list", "clear", "details"].map((name) => element.querySelector(`[data-part=${name}]`));
     const { empty } = props.value || {}; // what stands here as long as nothing was asked
-    const show = () => {
-      const { exchanges = [], pending } = props.value || {};
-      const all = [...exchanges.map(exchange), ...(pending ? [exchange({ question: pending })] : [])];
-      if (exchanges.length && !pending) all[all.length - 1].append(button("Retry", () => trigger("retry")));
-      list.replaceChildren(...(all.length ? all : [made("p", "empty-talk", empty)]));
-      clear.hidden = !all.length;
-      list.scrollTop = list.scrollHeight;
-    };
     clear.onclick = () => trigger("clear");
     const drawer = () => element.closest(".tabitem").querySelector(".drawer");
     details.onclick = () => {
@@ -86,7 +79,14 @@ const parts = {
     document.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && drawer().classList.contains("open")) details.click();
     });
-    showNowAndLater(show);
+    return () => {
+      const { exchanges = [], pending } = props.value || {};
+      const all = [...exchanges.map(exchange), ...(pending ? [exchange({ question: pending })] : [])];
+      if (exchanges.length && !pending) all[all.length - 1].append(button("Retry", () => trigger("retry")));
+      list.replaceChildren(...(all.length ? all : [made("p", "empty-talk", empty)]));
+      clear.hidden = !all.length;
+      list.scrollTop = list.scrollHeight;
+    };
   },
 
   "drawer-head"() {
@@ -94,9 +94,8 @@ const parts = {
   },
 
   chips() {
-    const show = () => element.firstElementChild.replaceChildren(
+    return () => element.firstElementChild.replaceChildren(
       ...(props.value || []).map((text) => button(text, () => trigger("click", { text }))));
-    showNowAndLater(show);
   },
 
   examples() {
@@ -107,7 +106,7 @@ const parts = {
   },
 
   evidence() {
-    const show = () => {
+    return () => {
       const { notes = [], probabilities, verdicts, band, regions, timing, about = [] } = props.value || {};
       const inside = [];
       if (!verdicts && !about.length) inside.push(made("p", "", "Nothing was asked yet: what an answer rests on stands here."));
@@ -130,17 +129,15 @@ const parts = {
       }
       element.firstElementChild.replaceChildren(...inside);
     };
-    showNowAndLater(show);
   },
 
   code() {
     const [copy, text] = [element.querySelector("button"), element.querySelector("pre")];
-    const show = () => {
+    copy.onclick = () => navigator.clipboard.writeText(props.value);
+    return () => {
       text.textContent = props.value || "Ask a question: the conversation stands here as a program.";
       copy.hidden = !props.value;
     };
-    copy.onclick = () => navigator.clipboard.writeText(props.value);
-    showNowAndLater(show);
   },
 
   saving() {
@@ -149,7 +146,7 @@ const parts = {
       "talk.txt": "Conversation as text", "talk.json": "Conversation as JSON", "link": "Copy link",
     };
     const [bar, status] = element.querySelectorAll("[data-part]");
-    const show = () => {
+    return () => {
       const value = props.value || {}, kinds = value.kinds || [];
       bar.replaceChildren(...kinds.map((kind) => button(labels[kind], () => trigger("click", { kind }))));
       status.textContent = kinds.length ? "" : "Open a recording first: its track is saved here.";
@@ -163,6 +160,5 @@ const parts = {
       Object.assign(document.createElement("a"), { href: address, download: value.name }).click();
       status.textContent = `${value.name} saved.`;
     };
-    showNowAndLater(show);
   },
 };

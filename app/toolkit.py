@@ -55,7 +55,7 @@ def html(value: Any, template: str, name: str, script: str | None = None) -> Any
     """
     if script is None:
         parts = Path(__file__).with_name("parts.js").read_text("utf-8")
-        script = f"{parts}\nparts['{name}']();"
+        script = f"{parts}\nrun(parts['{name}']);"
     return gr.HTML(
         value,
         html_template=template,
