@@ -240,17 +240,14 @@ class LiveStream:
 
         The frame is the last one that was fed; None adds no picture.
         """
-        track, units = self._tracker.so_far, lm.Units(self.shape[:2], mm_per_px)
-        since_s = -np.inf if self.is_over else self._now_s - WINDOW_S
-        drawing, limits = lm.drawing_of(track, units), stage.limits_of(track, mm_per_px)
-        if not self.is_over:
-            drawing = drawing.up_to(self._now_s, self._tracker.way)
-        idle = self._tracker.idle
-        unknown = tuple(stage.LANES) if idle is None else stage.unknown_of(track)
+        track, idle, now_s = self._tracker.so_far, self._tracker.idle, self._now_s
         rows, columns = lm.camera_size(*self.shape[:2])
-        window = [max(self._now_s - WINDOW_S, 0.0), max(self._now_s, FIRST_WINDOW_S)]
         if self.is_over:
-            window = [0.0, self._now_s or FIRST_WINDOW_S]  # of a single frame
+            window, now = [0.0, now_s or FIRST_WINDOW_S], None  # 0 s of a single frame
+        else:
+            window = [max(now_s - WINDOW_S, 0.0), max(now_s, FIRST_WINDOW_S)]
+            now = now_s, self._tracker.way
+        given = track, lm.Units(self.shape[:2], mm_per_px), "s", window[0]
         shows_notes = self.is_over or self._now_s > NOTES_FROM_S
         learnt = "no untouched gel seen yet" if shows_notes else "learning the idle gel"
         learnt = learnt if idle is None else "idle gel learnt"
@@ -263,7 +260,7 @@ class LiveStream:
             "unit": "s",
             "loops": False,
             "window": [round(end, 3) for end in window],
-            "timeline": stage.timeline_of(drawing, "s", limits, since_s, unknown=unknown),
+            "timeline": stage.timeline_of(*given, now=now, has_idle=idle is not None),
             "picture": None if frame is None else self._picture(frame, idle),
             "idle": self._idle_to_send(idle),
             "condition": self._condition_text(),

@@ -6,7 +6,7 @@ Gathers plain values, which `stage.js` and `timeline.js` draw; pictures are fetc
 from __future__ import annotations
 
 import time
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -93,9 +93,7 @@ def stage_of(
     if depth:
         values["deepest_mm"] = round(deepest, 2)
     if encoded.track is not None:
-        drawing, limits = lm.drawing_of(encoded.track, units), limits_of(encoded.track, mm_per_px)
-        unknown = unknown_of(encoded.track)
-        values["timeline"] = timeline_of(drawing, values["unit"], limits, unknown=unknown)
+        values["timeline"] = timeline_of(encoded.track, units, values["unit"])
         values["outlines"] = _outlines(_sent(clip), encoded.track)
         return values
     moved = motion_of(shown, lm.FrameSpec(mm_per_px=mm_per_px))
@@ -266,25 +264,31 @@ def _told_motion(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any] | No
     return {"turn": float(mean.turn_deg) * ("turn" in kinds), "travel": _rounded(end - begin)}
 
 
-def limits_of(track: Any, mm_per_px: float | None) -> dict[str, float]:
-    """Return how far a component has to go to be seen at all, by its name."""
-    limits = lm.Exported(track, mm_per_px).limits() if len(track) else {}
-    return {component.value: round(float(far), 3) for component, far in limits.items()}
-
-
 def timeline_of(
-    drawing: lm.Drawing,
-    unit: str,
-    limits: dict[str, float],
+    track: Any,
+    units: lm.Units,
+    axis: str,
     since_s: float = -np.inf,
     *,
-    unknown: Collection[str] = (),
+    now: tuple[float, Any] | None = None,
+    has_idle: bool = True,
 ) -> dict[str, Any]:
     """Return a row for each kind of event, with its curves and the spans that hold nine tenths.
 
-    The axis is in "s", or "frame" where the times are not known. The way is that since the track's
-    own begin, whatever `since_s`. Rows named in `unknown` have no curve, and say so.
+    Args:
+        track: Of the recording.
+        units: Of its amounts.
+        axis: Its unit, "s", or "frame" where the times are not known.
+        since_s: From when on it is drawn; the way is that since the track's own begin.
+        now: Time and way of a frame that is not settled yet, as of `Drawing.up_to`.
+        has_idle: Whether anything is known: the untouched gel was seen.
     """
+    drawing = lm.drawing_of(track, units)
+    drawing = drawing if now is None else drawing.up_to(*now)
+    limits = lm.Exported(track, units.mm_per_px).limits() if len(track) else {}
+    limits = {component.value: round(float(far), 3) for component, far in limits.items()}
+    unknown = () if track.is_contact_known else ("contact", "rest")  # which need an idle frame
+    unknown = unknown if has_idle else tuple(LANES)
     places = np.flatnonzero(drawing.times_s >= since_s)
     if len(places) > MOST_POINTS:
         places = places[np.linspace(0, len(places) - 1, MOST_POINTS).round().astype(int)]
@@ -297,7 +301,7 @@ def timeline_of(
             "unit": of_unit[lane],
             "is_known": lane not in unknown,
             "limit": limits.get(lane),
-            "events": [_event(band, unit) for band in bands if band.event.kind in kinds],
+            "events": [_event(band, axis) for band in bands if band.event.kind in kinds],
             "curves": [
                 _curve(curve, places)
                 for curve in drawing.curves
@@ -307,16 +311,11 @@ def timeline_of(
         for lane, kinds in LANES.items()
     ]
     return {
-        "x": _rounded((drawing.times_s if unit == "s" else drawing.numbers)[places]),
+        "x": _rounded((drawing.times_s if axis == "s" else drawing.numbers)[places]),
         "lanes": lanes,
         # The way in shares of the picture, drawn as long as it is.
         "way": _rounded(drawing.arrows[places]),
     }
-
-
-def unknown_of(track: Any) -> tuple[str, ...]:
-    """Return the names of the rows that need an idle frame, if the track has none."""
-    return () if track.is_contact_known else ("contact", "rest")
 
 
 class GrowingTimeline:
@@ -340,9 +339,7 @@ class GrowingTimeline:
             return
         track = tracker.so_far
         if len(track):
-            drawing, limits = lm.drawing_of(track, self._units), limits_of(track, None)
-            timeline = timeline_of(drawing, self._unit, limits, unknown=unknown_of(track))
-            self.values = {"timeline": timeline}
+            self.values = {"timeline": timeline_of(track, self._units, self._unit)}
         self._drawn_s = time.monotonic()
 
 

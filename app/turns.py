@@ -141,6 +141,12 @@ class _InTurns:
     def __init__(self, shared: Any, turns: Turns) -> None:
         self._shared, self._turns = shared, turns
 
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name.startswith("_"):
+            super().__setattr__(name, value)
+        else:
+            setattr(self._shared, name, value)
+
     def __getattr__(self, name: str) -> Any:
         value = getattr(self._shared, name)
         if name not in self.waiting:
@@ -190,15 +196,6 @@ class SessionInTurns(_InTurns):
     def stop(self) -> None:
         """Let the question that is being answered be forgotten."""
         self._asking = None
-
-    @property
-    def frame(self) -> lm.FrameSpec:
-        """The frame of reference that holds now."""
-        return self._shared.frame
-
-    @frame.setter
-    def frame(self, frame: lm.FrameSpec) -> None:
-        self._shared.frame = frame
 
 
 class TrackerInTurns(_InTurns):
