@@ -70,15 +70,14 @@ def build(invites: str = OPEN_ONE, actions: str = "", name: str = "stage-block")
 
 
 def stage_of(
-    shown: LoadedClip, name: str, frame: lm.FrameSpec | None = None, truth: lm.Seen | None = None
+    shown: LoadedClip, name: str, mm_per_px: float | None = None, truth: lm.Seen | None = None
 ) -> dict[str, Any]:
     """Return what the stage shows of a clip that was perceived, as plain JSON values.
 
-    Of the frame of reference it needs the size of a pixel; the true motion is drawn beside the one
+    Lengths are in mm where the size of a pixel is given. The true motion is drawn beside the one
     that is read.
     """
     encoded, seen = shown.encoded, shown.seen
-    mm_per_px = None if frame is None else frame.mm_per_px
     clip = encoded.clip if encoded.track is None else encoded.recording
     if encoded.track is not None:
         first, last = encoded.track.numbers[0], encoded.track.numbers[-1]
@@ -116,11 +115,11 @@ def stages_of(shown: LoadedClip) -> dict[str, Any]:
 
     Both are then drawn on the same scale of time and of amounts.
     """
-    frame = shown.session.frame
-    first = stage_of(shown, shown.source.name, frame)
+    mm_per_px = shown.session.frame.mm_per_px
+    first = stage_of(shown, shown.source.name, mm_per_px)
     if shown.second is None:
         return {"stage": first}
-    second = stage_of(shown.second, shown.second.source.name, frame)
+    second = stage_of(shown.second, shown.second.source.name, mm_per_px)
     first["about"] = f"first · {first['about']}"
     second["about"] = f"second, “it” in a question · {second['about']}"
     for values in (first, second):

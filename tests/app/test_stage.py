@@ -13,7 +13,7 @@ from app import stage
 from app.clips import perceive, read_named
 from app.pictures import PACKS
 from app.sources import EXAMPLES, RECORDING_FOLDER
-from geotlm_lm import Exported, FrameSpec, Units
+from geotlm_lm import Exported, Units
 from geotlm_lm.core.clip import Clip
 from tests.app.fakes import FakeAnswerer, load_clip
 
@@ -81,7 +81,7 @@ def test_a_long_recording_stays_below_three_megabytes_and_none_of_it_is_in_the_v
 
 def test_curves_are_those_of_the_track_with_nine_tenths_inside(tracked):
     track = tracked.encoded.track
-    told = stage.stage_of(tracked, "cap", FrameSpec(mm_per_px=0.1))["timeline"]
+    told = stage.stage_of(tracked, "cap", 0.1)["timeline"]
     contact, turn, travel, rest = told["lanes"]
     assert turn["curves"][0]["mean"] == pytest.approx(track.path_from_start[:, 0], abs=1e-3)
     assert turn["curves"][0]["spread"] == pytest.approx(
@@ -148,7 +148,7 @@ def test_a_short_clips_motion_is_one_step_with_its_amount():
     assert re.fullmatch(r"[0-9.]+ px right, [0-9.]+ to [0-9.]+ px", rows["slide"]["text"])
     assert rows["slide"]["low"] < rows["slide"]["mean"] < rows["slide"]["high"]
     assert rows["turn"] == {"name": "turn", "moves": False, "text": "none"}
-    in_mm = stage.stage_of(shown, "cap", FrameSpec(mm_per_px=0.1))["step"]["rows"][1]
+    in_mm = stage.stage_of(shown, "cap", 0.1)["step"]["rows"][1]
     assert " mm right, " in in_mm["text"]
 
 
