@@ -27,7 +27,6 @@ from . import clips, conversation, stage
 from .clips import LoadedClip
 from .conversation import Talking, exchanges, in_frame, nothing_asked, offered, suggested
 from .guards import QUESTION_CHARACTERS, TOPIC_CHARACTERS
-from .pictures import jpeg_address
 from .sources import FIRST, Source, examples
 from .toolkit import MODEL, QUIET, Filled, html, on
 from .turns import reported
@@ -177,7 +176,7 @@ def _thumbnail(path: str) -> tuple[str, str]:
     size = (THUMBNAIL_PX, round(THUMBNAIL_PX * rows / columns))
     small = cv2.resize(frame, size, interpolation=cv2.INTER_AREA)
     length = f"{len(clip) / clip.fps:.0f} s" if is_whole and clip.fps else ""
-    return jpeg_address(small, THUMBNAIL_PX, 95), length
+    return stage.jpeg_address(small, THUMBNAIL_PX, 95), length
 
 
 class Opening:

@@ -16,7 +16,7 @@ function loadImage(address) {
   });
 }
 
-// The pictures of a pack, as of `pictures.py`, which load by themselves.
+// The pictures of a pack, as of `stage.py`, which load by themselves.
 async function imagesOf(address) {
   const answer = await fetch(new URL(address, document.baseURI));
   if (!answer.ok) return null;

@@ -23,7 +23,6 @@ import geotlm_lm as lm
 from . import conversation, guards, stage
 from .clips import Image, LoadedClip, perceive, without_folder
 from .conversation import WATCHED, Talking, exchanges, fields_of, in_frame
-from .pictures import jpeg_address
 from .sessions import remove_seen
 from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, on, sent
 
@@ -324,7 +323,7 @@ class LiveStream:
         return {
             "at": round(self._now_s, 3),
             "number": self.count - 1,
-            "image": jpeg_address(frame, SIDE, QUALITY),
+            "image": stage.jpeg_address(frame, SIDE, QUALITY),
             "outline": [] if idle is None else stage.outline(lm.change_map(frame, idle)),
         }
 
@@ -332,7 +331,7 @@ class LiveStream:
         if idle is None or self._now_s - self._idle_sent_s < IDLE_AGAIN_S:
             return None
         self._idle_sent_s = self._now_s
-        return jpeg_address(idle, SIDE, QUALITY)
+        return stage.jpeg_address(idle, SIDE, QUALITY)
 
 
 @dataclass

@@ -1,26 +1,33 @@
 """The stage: what the browser plays of a recording, draws over it, and shows below it over time.
 
-Gathers plain values, which `stage.js` and `timeline.js` draw; pictures are fetched by address.
+Gathers plain values, which `stage.js` and `timeline.js` draw. Pictures are fetched by address, the
+frames of a recording in one pack: a value of the page is copied several times on its way, and
+frames in it held the browser up for seconds.
 """
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import secrets
+import struct
 import time
+from collections import OrderedDict
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from threading import Lock
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from starlette.responses import Response
 
 import geotlm_lm as lm
 
-from .pictures import PACKS
+from .clips import Image, LoadedClip
+from .guards import MIB
 from .toolkit import html
-
-if TYPE_CHECKING:
-    from .clips import LoadedClip
 
 MOST_FRAMES = 300
 """Of a recording that are sent; of a longer one every second, third, ..."""
@@ -51,10 +58,24 @@ FINE, LEAST_SHARE = 8, 0.004
 
 OPEN_ONE = "Open one of the examples, or drop your own recording here."
 
-
 COMPARE = '<button type="button" data-event="expand">Compare</button>'
 
 CLOSE = '<button type="button" data-event="collapse" aria-label="Close the second">✕</button>'
+
+ROUTE = "frames"
+"""Where packs are served, below the page's address."""
+
+BUDGET_BYTES = 2_800_000
+"""Of all pictures of a recording together."""
+
+QUALITIES = ((448, 88), (448, 75), (320, 75), (320, 60), (224, 60), (224, 40), (160, 40))
+"""Longer side (pixels) and JPEG quality, the best first; the first that fits is used."""
+
+SAMPLED = 6
+"""Frames that are tried to see how many bytes a quality takes."""
+
+KEPT_BYTES = 128 * MIB
+"""Of all packs; the browser has fetched what is let go of, or asks for it once more and is told."""
 
 
 def build(invites: str = OPEN_ONE, actions: str = "", name: str = "stage-block") -> Any:
@@ -377,3 +398,74 @@ def _curve(curve: Any, places: NDArray) -> dict[str, Any]:
 
 def _rounded(values: Any, digits: int = 4) -> list:
     return np.asarray(values, float).round(digits).tolist()
+
+
+class Packs:
+    """Packs by their keys; those that were asked for longest ago go first.
+
+    A key is made of what the frames are: the same recording is encoded once.
+    """
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[str, bytes] = OrderedDict()
+        self._secret, self._lock = secrets.token_bytes(16), Lock()
+
+    def address(self, images: list[Image]) -> str:
+        """Return where the pictures can be fetched, each as good as the budget allows."""
+        digest = hashlib.blake2b(key=self._secret, digest_size=16)
+        for image in images:
+            digest.update(repr(image.shape).encode())
+            digest.update(np.ascontiguousarray(image))
+        key = digest.hexdigest()
+        if self.content(key) is None:
+            pack = _packed(images)
+            with self._lock:
+                self._kept[key] = pack
+                while sum(map(len, self._kept.values())) > KEPT_BYTES and len(self._kept) > 1:
+                    self._kept.popitem(last=False)
+        return f"{ROUTE}/{key}"
+
+    def content(self, key: str) -> bytes | None:
+        """Return a pack: how many pictures, the length of each, the files; None without it."""
+        with self._lock:
+            if key in self._kept:
+                self._kept.move_to_end(key)
+            return self._kept.get(key)
+
+
+PACKS = Packs()
+"""Of this process."""
+
+
+async def serve_pack(request: Any) -> Any:
+    """Answer a request for a pack; nobody can guess a key."""
+    content = PACKS.content(request.path_params["key"])
+    if content is None:
+        return Response("These pictures are gone; open the recording again.", 404)
+    headers = {"cache-control": "private, max-age=3600, immutable"}
+    return Response(content, media_type="application/octet-stream", headers=headers)
+
+
+def _packed(images: list[Image]) -> bytes:
+    places = np.linspace(0, len(images) - 1, SAMPLED).round().astype(int)
+    for side, quality in QUALITIES:
+        size = sum(len(jpeg(images[place], side, quality)) for place in places) / len(places)
+        if size * len(images) <= BUDGET_BYTES:
+            break
+    files = [jpeg(image, side, quality) for image in images]
+    return b"".join([struct.pack(f"<{len(files) + 1}I", len(files), *map(len, files)), *files])
+
+
+def jpeg(image: Image, side: int, quality: int) -> bytes:
+    """Return a picture as a file, made smaller where its longer side is beyond `side`."""
+    scale = side / max(image.shape[:2])
+    if scale < 1:
+        size = (round(image.shape[1] * scale), round(image.shape[0] * scale))
+        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    options = [cv2.IMWRITE_JPEG_QUALITY, quality]
+    return cv2.imencode(".jpg", cv2.cvtColor(image, cv2.COLOR_RGB2BGR), options)[1].tobytes()
+
+
+def jpeg_address(image: Image, side: int, quality: int) -> str:
+    """Return a picture as a data address."""
+    return f"data:image/jpeg;base64,{base64.b64encode(jpeg(image, side, quality)).decode()}"

@@ -12,9 +12,8 @@ from starlette.routing import Route
 
 import geotlm_lm as lm
 
-from . import ask_tab, guards, live_tab, sessions, simulate_tab
+from . import ask_tab, guards, live_tab, sessions, simulate_tab, stage
 from .api import Api
-from .pictures import ROUTE, serve_pack
 from .sources import Sources
 from .toolkit import MODEL_LINE, report_progress
 from .tools import Tool, manager_of, require_mcp
@@ -110,7 +109,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
     Raises:
         MissingDependency: If the protocol's package is missing.
     """
-    routes = [Route(f"/{ROUTE}/{{key}}", serve_pack)]
+    routes = [Route(f"/{stage.ROUTE}/{{key}}", stage.serve_pack)]
     served: dict[str, Any] = {"middleware": [Middleware(guards.Guard)], "routes": routes}
     if mcp:
         require_mcp()

@@ -14,7 +14,7 @@ from gradio_client import Client, handle_file  # noqa: E402
 from gradio_client.exceptions import AppError  # noqa: E402
 
 from app import ui  # noqa: E402
-from app.pictures import PACKS  # noqa: E402
+from app.stage import PACKS  # noqa: E402
 from tests.app.fakes import FakeAnswerer, clip  # noqa: E402
 
 

@@ -11,7 +11,6 @@ import pytest
 
 from app import stage
 from app.clips import perceive, read_named
-from app.pictures import PACKS
 from app.sources import EXAMPLES, RECORDING_FOLDER
 from geotlm_lm import Exported, Units
 from geotlm_lm.core.clip import Clip
@@ -31,7 +30,7 @@ def tracked(frames):
 
 def pictures(told):
     """Return the pictures that the browser would fetch, frames before the idle gel."""
-    content = PACKS.content(told["pack"].split("/")[-1])
+    content = stage.PACKS.content(told["pack"].split("/")[-1])
     (count,) = struct.unpack_from("<I", content)
     ends = np.cumsum([4 * count + 4, *struct.unpack_from(f"<{count}I", content, 4)])
     files = [content[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
@@ -74,7 +73,7 @@ def test_a_long_recording_stays_below_three_megabytes_and_none_of_it_is_in_the_v
     frames = rng.integers(0, 256, (400, 240, 320, 3), np.uint8)  # the worst there is
     told = stage.opening(Clip(frames, fps=25.0), "noise")
     assert told["count"] == stage.MOST_FRAMES
-    assert len(PACKS.content(told["pack"].split("/")[-1])) < 3.2e6
+    assert len(stage.PACKS.content(told["pack"].split("/")[-1])) < 3.2e6
     assert len(json.dumps(told)) < 1e4
     assert told["x"][-1] == pytest.approx(399 / 25, abs=0.001)
 
