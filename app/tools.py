@@ -10,7 +10,6 @@ import json
 import logging
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any, get_type_hints
@@ -45,54 +44,34 @@ INSTRUCTIONS = (
 )
 
 
-@dataclass(frozen=True)
 class Tool:
     """A function that programs and agents call by name; its parameters and result are annotated.
 
-    A parameter that is a model of several stands for them: each is a parameter of the tool.
+    A parameter that is a model of several stands for them: each is a parameter of the tool. What it
+    takes and returns is described by JSON Schemas.
     """
 
-    name: str
-    description: str
-    function: Callable[..., dict[str, Any]]
-    parameters: type[BaseModel]
-    groups: Mapping[str, type[BaseModel]]
-    output: TypeAdapter[Any]
-
-    @classmethod
-    def of(cls, function: Callable[..., dict[str, Any]]) -> Tool:
-        """Return the tool of a function."""
+    def __init__(self, function: Callable[..., dict[str, Any]]) -> None:
+        self.function, self.name = function, function.__name__
+        self.description = inspect.getdoc(function) or ""
         hints = get_type_hints(function, include_extras=True)
-        groups = {
+        self.groups: dict[str, type[BaseModel]] = {
             name: kind
             for name, kind in hints.items()
             if isinstance(kind, type) and issubclass(kind, BaseModel)
         }
         fields: dict[str, Any] = {}
         for name, parameter in inspect.signature(function).parameters.items():
-            if name in groups:
-                shared = groups[name].model_fields.items()
+            if name in self.groups:
+                shared = self.groups[name].model_fields.items()
                 fields |= {each: (field.annotation, field) for each, field in shared}
             else:
                 is_needed = parameter.default is inspect.Parameter.empty
                 fields[name] = (hints[name], ... if is_needed else parameter.default)
-        name, description = function.__name__, inspect.getdoc(function) or ""
-        model = create_model(name, __config__=ConfigDict(extra="forbid"), **fields)
-        return cls(name, description, function, model, groups, TypeAdapter(hints["return"]))
-
-    @property
-    def _names(self) -> tuple[str, ...]:
-        return tuple(self.parameters.model_fields)
-
-    @property
-    def input_schema(self) -> dict[str, Any]:
-        """What it takes, as JSON Schema."""
-        return _without_titles(self.parameters.model_json_schema())
-
-    @property
-    def output_schema(self) -> dict[str, Any]:
-        """What it returns, as JSON Schema."""
-        return _without_titles(self.output.json_schema(mode="serialization"))
+        self.parameters = create_model(self.name, __config__=ConfigDict(extra="forbid"), **fields)
+        self.output = TypeAdapter(hints["return"])
+        self.input_schema = _without_titles(self.parameters.model_json_schema())
+        self.output_schema = _without_titles(self.output.json_schema(mode="serialization"))
 
     def call(self, given: Mapping[str, Any]) -> dict[str, Any]:
         """Return the function's result as plain JSON values.
@@ -124,12 +103,12 @@ class Tool:
     def _typed(self) -> Callable[..., Any]:
         """Return the tool as the toolkit takes it: plain types, files as its clients send them."""
         full = get_type_hints(self.parameters, include_extras=True)
-        plain = get_type_hints(self.parameters)
-        hints = {name: Upload | str if full[name] == Recording else plain[name] for name in full}
+        plain, names = get_type_hints(self.parameters), list(self.parameters.model_fields)
+        hints = {name: Upload | str if full[name] == Recording else plain[name] for name in names}
 
         def call(*given: Any) -> dict[str, Any]:
             try:
-                return self.call(dict(zip(self._names, map(path_in, given), strict=True)))
+                return self.call(dict(zip(names, map(path_in, given), strict=True)))
             except lm.GeoTLMError as error:
                 title = {"title": guards.BUSY_TITLE} if isinstance(error, guards.Busy) else {}
                 raise gr.Error(str(error), print_exception=False, **title) from error
@@ -147,12 +126,12 @@ class Tool:
         """Return the first of what is wrong with the parameters."""
         first = error.errors(include_url=False)[0]
         name = ".".join(map(str, first["loc"]))
+        fields = self.parameters.model_fields
         if first["type"] == "missing":
-            fields = self.parameters.model_fields
-            needed = [name for name in self._names if fields[name].is_required()]
+            needed = [name for name, field in fields.items() if field.is_required()]
             return f"{self.name}: {name} is missing; give {' and '.join(needed)}."
         if first["type"] == "extra_forbidden":
-            advice = choice_of(name, self._names) if self._names else "it takes none."
+            advice = choice_of(name, fields) if fields else "it takes none."
             return f"{self.name}: there is no parameter {name[:80]!r}; {advice}"
         value, reason = repr(first["input"]), first["msg"]
         return (

@@ -77,7 +77,7 @@ def build(answerer: lm.Answerer, recordings: Path | None = None) -> Any:
     """
     answerer = AnswererInTurns(answerer, Turns(report_progress))
     api = Api(answerer, Sources(get_upload_folder(), recordings))
-    tools = [Tool.of(function) for function in api.functions]
+    tools = [Tool(function) for function in api.functions]
     # Without analytics nothing leaves the machine, and the page starts offline without a wait.
     with gr.Blocks(
         title="geotlm-lm", analytics_enabled=False, delete_cache=sessions.DELETE_CACHE

@@ -25,7 +25,7 @@ def broken() -> dict[str, float]:
 
 
 def test_a_tool_says_what_it_takes_and_gives():
-    tool = Tool.of(double)
+    tool = Tool(double)
     assert tool.input_schema == {
         "type": "object",
         "additionalProperties": False,
@@ -46,13 +46,13 @@ def test_a_tool_says_what_it_takes_and_gives():
 
 def test_a_mistake_of_ours_is_logged_and_its_words_are_not_told(caplog):
     with pytest.raises(GeoTLMError) as caught:
-        Tool.of(broken).call({})
+        Tool(broken).call({})
     assert str(caught.value) == OUR_FAULT
     assert "a secret of the server" in caplog.text
 
 
 def test_a_simulated_touch_has_the_bounds_of_the_simulator():
-    tools = [Tool.of(function) for function in Api(None, None).functions]
+    tools = [Tool(function) for function in Api(None, None).functions]
     (simulate,) = (tool for tool in tools if tool.name == "simulate")
     offered = simulate.input_schema["properties"]
     numbers = {name: one for name, one in offered.items() if "minimum" in one}
