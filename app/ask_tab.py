@@ -46,6 +46,8 @@ CHOOSE_SECOND = (
 
 CODE = '<button type="button" hidden>Copy</button><pre tabindex="0" aria-label="Code"></pre>'
 
+SAVING = '<div data-part="bar"></div><p data-part="status" role="status"></p>'
+
 PROGRAMS = '<p class="note"><a href="?view=api">The same for programs: REST, Python, MCP</a></p>'
 
 ANSWERED = (
@@ -80,15 +82,14 @@ def build(answerer: lm.Answerer, page: Any) -> None:
             height=84,
             elem_classes=["drop"],
         )
-        parts["examples"] = strip()
+        parts["examples"] = html("", _strip_markup(), "examples")
     with conversation.drawer():
         parts |= _details()
     talking = Talking(answerer)
     opens = Opening(answerer, talking)
-    _connect_opening(parts, opens, page)
+    _connect(parts, opens, page)
     page.warm = opens.warm
     conversation.connect(parts, talking, "shown", ANSWERED)
-    _connect_saving(parts)
 
 
 def _details() -> dict[str, Any]:
@@ -107,17 +108,20 @@ def _details() -> dict[str, Any]:
     gr.Markdown("#### Code")
     parts["code"] = html("", CODE, "code")
     gr.Markdown("#### Save and share")
-    parts["saving"] = saving_bar()
+    parts["saving"] = html({}, SAVING, "saving")
     gr.HTML(PROGRAMS, apply_default_css=False)
     return parts
 
 
-def _connect_opening(parts: dict[str, Any], opens: Opening, page: Any) -> None:
+def _connect(parts: dict[str, Any], opens: Opening, page: Any) -> None:
     before = ("frame", "mm_per_px", "shown")
     at_stage, files = {**QUIET, **MODEL}, parts["files"]
 
     def open_example(event: gr.EventData, *now: Any) -> Iterator[Filled]:
         yield from opens.example(str(event._data.get("example")), *now)
+
+    def save(shown: Any, event: gr.EventData) -> Iterator[Filled]:
+        yield {"saving": saved(str(event._data.get("kind")), shown)}
 
     def visit(request: gr.Request) -> Iterator[Filled]:
         yield from opens.visit(request.query_params)
@@ -134,31 +138,21 @@ def _connect_opening(parts: dict[str, Any], opens: Opening, page: Any) -> None:
     on(parts, [page.load], visit, (), (*OPENED, "question", "frame"), **at_stage)
     stopped = (parts["stage"].stop, parts["stage_second"].stop)
     on(parts, stopped, opens.stop, ["reading"], queue=False, **QUIET)
-
-
-def _connect_saving(parts: dict[str, Any]) -> None:
-    def save(shown: Any, event: gr.EventData) -> Iterator[Filled]:
-        yield {"saving": saved(str(event._data.get("kind")), shown)}
-
     on(parts, [parts["saving"].click], save, ["shown"], ["saving"])
-
-
-def strip() -> Any:
-    """Return the component that shows the examples; a click on one tells its key."""
-    return html("", _strip_markup(), "examples")
 
 
 @cache
 def _strip_markup() -> str:
-    recordings, clips = [], []
+    """Return the examples, each of which is a button that holds its key."""
+    recordings, short = [], []
     for key, source in examples().items():
         thumbnail, length = _thumbnail(source.path)
-        (recordings if length else clips).append(
+        (recordings if length else short).append(
             f'<button type="button" class="example" data-example="{escape(key)}">'
             f'<img src="{thumbnail}" alt="" width="{THUMBNAIL_PX}">'
             f"<span>{escape(source.name)}{f' <i>{length}</i>' * bool(length)}</span></button>"
         )
-    groups = (("Recordings", recordings), ("Clips of four frames", clips))
+    groups = (("Recordings", recordings), ("Clips of four frames", short))
     return "".join(
         f'<div role="group" aria-label="{label}"><h2>{label}</h2><div>{"".join(shown)}</div></div>'
         for label, shown in groups
@@ -388,12 +382,6 @@ def file_fields(source: Source | None) -> Filled:
     first, last = source.span or ("", "")
     part = {"first": str(first), "last_frame": str(last), "topic": source.topic or ""}
     return part | {"files": source.path if isinstance(source.path, list) else None}
-
-
-def saving_bar() -> Any:
-    """Return the component that offers to save; a click tells the kind, its value is the file."""
-    template = '<div data-part="bar"></div><p data-part="status" role="status"></p>'
-    return html({}, template, "saving")
 
 
 def saved(kind: str, shown: LoadedClip | None) -> dict[str, Any]:
