@@ -11,6 +11,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from filelock import FileLock, Timeout
+
 import geotlm_lm as lm
 from geotlm_lm.core.errors import require_package
 
@@ -62,8 +64,6 @@ def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
     locked, which ends with the process that holds the lock, however it ends. They lie in the
     system's temporary folder, or in `parent`.
     """
-    from filelock import FileLock, Timeout
-
     parent = Path(tempfile.gettempdir()) if parent is None else parent
     for lock in parent.glob(f"{PREFIX}*/{LOCK}"):
         with suppress(OSError, Timeout):  # in use

@@ -315,7 +315,10 @@ def _verdicts(answer: Any, shown: LoadedClip) -> list[list[Any]]:
     Of an answer that is no motion it is the motion that the picture shows.
     """
     probe, flow = shown.opinions["probe"], shown.opinions["optical_flow"]
-    motion = answer.direction or stage.way_of(shown, answer.frame)
+    motion = answer.direction
+    if motion is None:
+        moved = stage.motion_of(shown, answer.frame)
+        motion = moved[0].way if moved else None
     fitted = (flow["rotation_deg"], flow["slide_x_px"], flow["slide_y_px"], 0.0)
     turn, right, down, _ = answer.edit.matrix @ fitted + 0.0  # 0.0 has no sign of its own
     far = lm.flow_phrase(turn, right, down)

@@ -232,11 +232,6 @@ def motion_of(shown: LoadedClip, frame: lm.FrameSpec) -> tuple[Any, ...]:
     return getattr(session.ask(OF_MOTION).values[0], "movements", ())
 
 
-def way_of(shown: LoadedClip, frame: lm.FrameSpec) -> Any:
-    """Return the way of the largest motion that the stage shows; None where there is none."""
-    return next((movement.way for movement in motion_of(shown, frame)), None)
-
-
 def step_of(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any]:
     """Return each component of a short clip's motion, from end to end, and its detection limit."""
     belief = shown.encoded.belief

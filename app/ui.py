@@ -65,8 +65,6 @@ HEAD = "<h1>geotlm-lm</h1>"
 FONT = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "Ubuntu", "Cantarell", "sans-serif")
 MONO = ("ui-monospace", "SFMono-Regular", "Menlo", "Consolas", "monospace")
 
-STYLES = [str(Path(__file__).with_name("page.css"))]
-
 
 def build(answerer: lm.Answerer, recordings: Path | None = None) -> Any:
     """Return the page (a `gradio.Blocks`), not yet served; its `tools` are what programs call.
@@ -131,7 +129,7 @@ def launch(page: Any, *, port: int | None = None, mcp: bool = False) -> str:
         quiet=True,
         ssr_mode=False,
         theme=theme(),
-        css_paths=STYLES,
+        css_paths=Path(__file__).with_name("page.css"),
         footer_links=[],
         i18n=gr.I18n(en={"common.upload": "Upload"}),  # a key that the toolkit lacks
         mcp_server=False,
