@@ -67,7 +67,8 @@ def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
     parent = Path(tempfile.gettempdir()) if parent is None else parent
     for lock in parent.glob(f"{PREFIX}*/{LOCK}"):
         with suppress(OSError, Timeout):  # in use
-            if _is_ours(lock.parent):
+            # Where systems do not tell whose a folder is, temporary folders are the user's.
+            if not hasattr(os, "getuid") or lock.parent.lstat().st_uid == os.getuid():
                 with FileLock(lock, blocking=False):
                     shutil.rmtree(lock.parent, ignore_errors=True)
     folder, before = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent)), os.environ.get(VARIABLE)
@@ -82,11 +83,6 @@ def own_cache_folder(parent: Path | None = None) -> Iterator[Path]:
             else:
                 os.environ[VARIABLE] = before
             shutil.rmtree(folder, ignore_errors=True)
-
-
-def _is_ours(folder: Path) -> bool:
-    """Tell whether a folder is this user's; where systems do not tell, temporary folders are."""
-    return not hasattr(os, "getuid") or folder.lstat().st_uid == os.getuid()
 
 
 if __name__ == "__main__":

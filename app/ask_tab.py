@@ -301,7 +301,10 @@ class Opening:
 
             shown = yield from reported(partial(self._perceive, source, recording, follow), show)
             if is_second:
-                yield _paired(before, shown)
+                both = clips.compared(before, shown)
+                values = {"shown": both, "chips": suggested(both), "reading": None}
+                values["mm_per_px"] = both.session.frame.mm_per_px or 0
+                yield stage.stages_of(both) | values
             else:
                 yield _opened(shown, facts, mm_per_px, before)
         except Exception as error:
@@ -346,8 +349,11 @@ def page_of(
     Of none it may show the `source` that is being read.
     """
     source, is_paired = (source, False) if shown is None else (shown.source, shown.is_paired)
-    values = nothing_asked(shown) | file_fields(source)
-    values |= {
+    part = source or Source(None, "")
+    first, last = part.span or ("", "")
+    values = nothing_asked(shown) | {
+        **{"first": str(first), "last_frame": str(last), "topic": part.topic or ""},
+        "files": part.path if isinstance(part.path, list) else None,
         **{"shown": shown, "source": source, "reading": None, "chips": suggested(shown)},
         **{"stage": {}, "stage_second": CHOOSING if is_paired else {}},
         **{"framed": in_frame(facts, None), "mm_per_px": mm_per_px or 0, "saving": offered(shown)},
@@ -366,22 +372,6 @@ def _opened(
         mm_per_px = None  # it was stated of other pixels
     shown.session.frame = replace(shown.session.frame, mm_per_px=mm_per_px or None)
     return page_of(shown, facts, mm_per_px)
-
-
-def _paired(first: LoadedClip, second: LoadedClip) -> Filled:
-    shown = clips.compared(first, second)
-    return stage.stages_of(shown) | {
-        **{"shown": shown, "chips": suggested(shown), "reading": None},
-        "mm_per_px": shown.session.frame.mm_per_px or 0,
-    }
-
-
-def file_fields(source: Source | None) -> Filled:
-    """Return the file and the part of it that is read, as the fields of the page hold them."""
-    source = source or Source(None, "")
-    first, last = source.span or ("", "")
-    part = {"first": str(first), "last_frame": str(last), "topic": source.topic or ""}
-    return part | {"files": source.path if isinstance(source.path, list) else None}
 
 
 def saved(kind: str, shown: LoadedClip | None) -> dict[str, Any]:

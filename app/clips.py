@@ -222,7 +222,12 @@ class OpenedRecordings:
             with opened.lock:
                 if opened.shown is None:
                     opened.recording, opened.shown = self._read(given, path, topic)
-            self._keep(key, opened)
+            with self._lock:
+                opened.last_s = time.monotonic()
+                self._kept[key] = opened
+                self._kept.move_to_end(key)
+                while sum(each.size_bytes for each in self._kept.values()) > KEPT_OPEN_BYTES:
+                    self._kept.popitem(last=False)
             return opened
 
     def let_go(self) -> bool:
@@ -237,14 +242,6 @@ class OpenedRecordings:
         shown = perceive(self._answerer, recording)
         # Once tracked, its idle gel is known: a span need not look for it again.
         return shown.encoded.recording or recording, shown
-
-    def _keep(self, key: str, opened: Opened) -> None:
-        with self._lock:
-            opened.last_s = time.monotonic()
-            self._kept[key] = opened
-            self._kept.move_to_end(key)
-            while sum(each.size_bytes for each in self._kept.values()) > KEPT_OPEN_BYTES:
-                self._kept.popitem(last=False)
 
 
 def _key(given: str, path: Path, topic: str | None) -> str:
