@@ -138,7 +138,11 @@ class Sources:
                 recording | _length(self._served / recording["name"])
                 for recording in stored[:LISTED]
             ],
-            "examples": list(map(_example, EXAMPLES)),
+            "examples": [
+                {"name": name, "kind": path.suffix[1:], "size_bytes": path.stat().st_size}
+                | _length(path)
+                for name, path in EXAMPLES.items()
+            ],
             "is_folder_served": self._served is not None,
             "has_more": len(stored) > LISTED,
         }
@@ -179,8 +183,9 @@ class Sources:
     def _unpacked(self, uri: str) -> Iterator[Path]:
         """Yield where the recording in a data URI lies, for as long as it is read."""
         stored = _stored_in(uri)
+        kinds = (end for end, (at, mark) in BEGINNINGS.items() if stored.startswith(mark, at))
         with tempfile.TemporaryDirectory(prefix="message-", dir=self._uploads) as home:
-            path = Path(home) / f"clip{_suffix_of(stored[:16])}"
+            path = Path(home) / f"clip{next(kinds, '')}"
             path.write_bytes(stored)
             yield path
 
@@ -237,12 +242,6 @@ class Sources:
                 path = Path(place, last)
                 if stored := _recording(path, path.relative_to(self._served).as_posix()):
                     yield stored
-
-
-def _example(name: str) -> StoredRecording:
-    path = EXAMPLES[name]
-    about = {"name": name, "kind": path.suffix[1:], "size_bytes": path.stat().st_size}
-    return about | _length(path)
 
 
 def _length(path: Path) -> dict[str, Any]:
@@ -306,8 +305,3 @@ def _stored_in(uri: str) -> bytes:
         raise lm.GeoTLMError(
             "The clip's data URI is cut off or no base64; send the whole file."
         ) from error
-
-
-def _suffix_of(beginning: bytes) -> str:
-    kinds = (suffix for suffix, (at, mark) in BEGINNINGS.items() if beginning.startswith(mark, at))
-    return next(kinds, "")
