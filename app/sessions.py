@@ -108,15 +108,16 @@ class SessionFiles:
         self._held: dict[str, set[str]] = defaultdict(set)
         self._ended_s: dict[str, float] = {}
 
-    def hold(self, session: str, paths: list[str] | str | None) -> None:
+    def hold(self, paths: list[str] | str | None, request: Request) -> None:
         """Note what a session has uploaded; what arrives just after its end goes at once."""
+        session = request.session_hash
         self._held[session].update([paths] if isinstance(paths, str) else paths or [])
         if time.time() - self._ended_s.get(session, -LATE_S) < LATE_S:
             self._release(session)
 
-    def drop(self, session: str) -> None:
+    def drop(self, request: Request) -> None:
         """Remove the uploads of a session that has ended, unless another holds them as well."""
-        now = time.time()
+        session, now = request.session_hash, time.time()
         self._ended_s = {name: at for name, at in self._ended_s.items() if now - at < LATE_S}
         self._ended_s[session] = now
         self._release(session)
@@ -130,16 +131,9 @@ class SessionFiles:
 def remove_uploads_with_session(page: Any) -> None:
     """Remove what is uploaded to a page's fields with its session; inside the `gradio.Blocks`."""
     files = SessionFiles()
-
-    def hold(paths: Any, request: Request) -> None:
-        files.hold(request.session_hash, paths)
-
-    def drop(request: Request) -> None:
-        files.drop(request.session_hash)
-
     for field in [block for block in page.blocks.values() if type(block) is File]:
-        field.upload(hold, field, None, queue=False, **QUIET)
-    page.unload(drop)
+        field.upload(files.hold, field, None, queue=False, **QUIET)
+    page.unload(files.drop)
 
 
 def remove_seen(component: Any) -> None:

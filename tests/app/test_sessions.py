@@ -58,26 +58,30 @@ def stored(folder, name):
     return str(path)
 
 
+def visit(session):
+    return SimpleNamespace(session_hash=session)
+
+
 def test_uploads_go_with_the_last_session_that_holds_them(tmp_path):
     own, shared = stored(tmp_path, "own"), stored(tmp_path, "shared")
     files = SessionFiles()
-    files.hold("first", [own, shared])
-    files.hold("second", shared)
-    files.hold("third", None)
-    files.drop("first")
+    files.hold([own, shared], visit("first"))
+    files.hold(shared, visit("second"))
+    files.hold(None, visit("third"))
+    files.drop(visit("first"))
     assert [one.name for one in tmp_path.iterdir()] == ["shared"]
-    files.drop("unknown")
-    files.drop("second")
+    files.drop(visit("unknown"))
+    files.drop(visit("second"))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_an_upload_that_is_told_of_after_the_end_goes_at_once(tmp_path, monkeypatch):
     files, now = SessionFiles(), time.time()
-    files.drop("first")
-    files.hold("first", stored(tmp_path, "late"))
+    files.drop(visit("first"))
+    files.hold(stored(tmp_path, "late"), visit("first"))
     assert list(tmp_path.iterdir()) == []
     monkeypatch.setattr(sessions, "time", SimpleNamespace(time=lambda: now + 20))
-    files.hold("first", stored(tmp_path, "back"))
+    files.hold(stored(tmp_path, "back"), visit("first"))
     assert [one.name for one in tmp_path.iterdir()] == ["back"]
 
 
