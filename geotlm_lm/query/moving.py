@@ -286,8 +286,8 @@ def clipped(happening: Happening, begin_s: float, end_s: float) -> Happening:
     if begin_s <= happening.begin_s and happening.end_s <= end_s:
         return happening
     first, last = max(begin_s, happening.begin_s), min(end_s, happening.end_s)
-    share = float(happening.share_at(np.asarray(last)) - happening.share_at(np.asarray(first)))
-    return replace(happening, begin_s=first, end_s=last, twist=share * happening.twist)
+    share = happening.share_at(np.asarray(last)) - happening.share_at(np.asarray(first))
+    return replace(happening, begin_s=first, end_s=last, twist=share[..., None] * happening.twist)
 
 
 def shown(context: Context, happening: Happening) -> Shown:

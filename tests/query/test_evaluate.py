@@ -419,3 +419,11 @@ def test_every_slide_is_a_slip_and_a_turn_after_a_rest_is():
     clip = of_track(track_of_events(events))
     slips = told("count slip-events", clip).amount.value
     assert slips == told("count slide-events", clip).amount.value + 1 == 2
+
+
+@pytest.mark.parametrize(("middle", "is_sure"), [(30, False), (29, False), (20, True)])
+def test_parts_of_one_motion_are_compared_with_doubt(middle, is_sure):
+    clip = of_track(track_of_events((happened("touch", 0, 0), happened("turn", 10, 50, turn=80))))
+    half = f"within until t {middle / 25}:s amount turn"
+    line = f"> {half} within since t {middle / 25}:s amount turn"
+    assert (told(line, clip).probability > 0.9) is is_sure
