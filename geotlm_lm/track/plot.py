@@ -307,6 +307,8 @@ def _draw_labels(panel: Any, labels: list[tuple[Event, str]], in_frames: bool) -
     used = sum(bool(taken) for taken in lines)
     share = used * LINE_IN * figure.dpi / frame.height
     low, high = panel.get_ylim()
+    # Other ticks would be wider than those that the figure is laid out for.
+    panel.set_yticks([tick for tick in panel.get_yticks() if low <= tick <= high])
     panel.set_ylim(low, high + (high - low) * share / max(1 - share, 0.2))
     for text, middle, line in placed:
         across, up = figure.transFigure.inverted().transform(
