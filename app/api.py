@@ -18,7 +18,7 @@ from .simulate_tab import simulate as simulate_and_ask
 from .sources import Sources
 from .turns import LISTENER
 
-SHORT_ANSWER = ("text", "decided", "confidence", "amount", "direction", "query")
+SHORT_ANSWER = ("text", "decided", "abstained", "confidence", "amount", "direction", "query")
 """Fields of an answer without details."""
 
 SAME_WAY = "Do they go the same way?"

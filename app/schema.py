@@ -184,12 +184,12 @@ class AnswerResult(TypedDict):
 
     text: str
     decided: str | None
+    abstained: bool
     confidence: Confidence
     amount: Amount | None
     direction: lm.Motion | None
     query: str
     motion: NotRequired[dict[str, Any] | None]
-    abstained: NotRequired[bool]
     told_by: NotRequired[Literal["model", "rule"]]
     frame: NotRequired[dict[str, Any]]
     options: NotRequired[dict[str, float]]

@@ -105,7 +105,7 @@ def test_frames_facts_and_the_size_of_a_pixel_hold_for_the_answer(use):
 def test_an_answer_is_short_unless_details_are_asked_for(use):
     asked = {"recording": CAP, "question": "How far did it go?"}
     short, whole = use(("ask", asked), ("ask", asked | {"details": True}))
-    names = {"text", "decided", "confidence", "amount", "direction", "query"}
+    names = {"text", "decided", "abstained", "confidence", "amount", "direction", "query"}
     assert set(short.structuredContent) == names
     assert set(whole.structuredContent) > names | {"evidence", "options", "notes", "frame"}
     same = {name: whole.structuredContent[name] for name in names}
@@ -133,7 +133,7 @@ def test_confidence_is_defined_for_amounts_too(talk):
     (ask,) = (tool for tool in talk(conversation) if tool.name == "ask")
     defined = ask.outputSchema["properties"]["confidence"]["description"]
     assert "An amount is right within its tolerance: 2 degrees, 0.2 mm, 2 px" in defined
-    names = ["text", "decided", "confidence", "amount", "direction", "query"]
+    names = ["text", "decided", "abstained", "confidence", "amount", "direction", "query"]
     assert ask.outputSchema["required"] == names
 
 
