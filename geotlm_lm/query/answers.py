@@ -21,6 +21,7 @@ from geotlm_lm.query import (
     spans,  # noqa: F401  (adds its primitives)
     truths,  # noqa: F401
 )
+from geotlm_lm.query.contact_ends import require_seen, seen_times
 from geotlm_lm.query.evaluate import (
     Context,
     Evidence,
@@ -104,7 +105,8 @@ def answer(expression: Expression, context: Context) -> Value:
             frame = replace(context.frame, thread=context.frame.thread or "right",
                             contact_side=context.frame.contact_side or "head")  # fmt: skip
             supposing = answer(expression, replace(context, frame=frame))
-        return Unknown(of=expression, reason=str(lacks), edit=context.view, supposing=supposing)
+        return Unknown(of=expression, reason=str(lacks), at_s=lacks.at_s, edit=context.view,
+                       supposing=supposing)  # fmt: skip
 
 
 def _placed(expression: Expression, context: Context) -> tuple[Expression, Context]:
@@ -270,6 +272,7 @@ def _moving(context: Context, components: tuple[Component, ...]) -> NDArray[np.b
 
 def _when(expression: Expression, context: Context) -> Value:
     """Return a moment, or when an event or a span begins and ends."""
+    require_seen(context, expression)
     value = evaluate(expression, context)
     ends = (value.begin, value.end) if isinstance(value, Spot) else (value,)
     ends = [np.broadcast_to(each, (COUNT,)) for each in ends]
@@ -355,7 +358,7 @@ def _record(expression: Expression, context: Context) -> Value:
         events = evaluate(inner.arguments[0], inside)
         likely = events.likely
         if inner.word in ("begins", "ends"):
-            times = tuple(each.begin_s if inner.word == "begins" else each.end_s for each in likely)
+            times = seen_times(inside, inner, likely)
             is_likely = events.is_so.mean(axis=1, keepdims=True) >= 0.5
             right = (events.is_so == is_likely).all(axis=0).mean()
             return Times(of=expression, times_s=times, probability=float(right), edit=inside.view,

@@ -34,7 +34,11 @@ _PRESENT = p.of("end", p.of("recording"))
 
 
 class Untold(Exception):  # noqa: N818  (no error: what an answer lacks)
-    """Why something cannot be told, a name of `replies.toml`."""
+    """Why something cannot be told, a name of `replies.toml`, and the moment that it names."""
+
+    def __init__(self, reason: str, at_s: float | None = None) -> None:
+        super().__init__(reason)
+        self.at_s = at_s
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 from geotlm_lm.core.twist import ASLANT
 from geotlm_lm.query import program as p
 from geotlm_lm.query.arithmetic import converted
+from geotlm_lm.query.contact_ends import require_over, unseen_ends
 from geotlm_lm.query.evaluate import (
     PRIMITIVES,
     Context,
@@ -143,11 +144,13 @@ def _count(context: Context, events: Expression) -> Numbers:
 
 
 def _delay(context: Context, early: Expression, late: Expression) -> Numbers:
+    require_over(context, early, late)
     far = np.asarray(evaluate(late, context)) - np.asarray(evaluate(early, context))
     return _duration(context, np.broadcast_to(far, (COUNT,)))
 
 
 def _clock(context: Context, time: Expression) -> Numbers:
+    require_over(context, time)
     at = np.asarray(evaluate(time, context)) - context.timed().begin_s
     return _duration(context, np.broadcast_to(at, (COUNT,)))
 
@@ -265,7 +268,9 @@ def _goes(happening: Happening, way: str) -> Bools:
 
 
 def _lets_go(worlds: Worlds, release: Happening) -> bool:
-    return any(abs(release.end_s - end) <= TOGETHER_S for _, end in worlds.contacts)
+    held_s = unseen_ends(worlds).get("end")
+    ends = (end for _, end in worlds.contacts if end != held_s)
+    return any(abs(release.end_s - end) <= TOGETHER_S for end in ends)
 
 
 def _follows_rest(worlds: Worlds, moved: Happening) -> bool:

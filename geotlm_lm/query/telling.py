@@ -76,8 +76,9 @@ class Teller(Narrator):
         if isinstance(value, Unknown) and value.supposing is not None:
             return self._supposed(value.supposing)
         if isinstance(value, Unknown):
-            text = f"{replies()['missing'][value.reason]} {value.detail}".strip()
-            return Wording(text, self.named)
+            text = replies()["missing"][value.reason]
+            text = text if value.at_s is None else text.format(self.moment(value.at_s))
+            return Wording(f"{text} {value.detail}".strip(), self.named)
         text = _sentence(_TELLERS[type(value)](self, value))
         where = where_phrase(value.edit, self.frame)
         return Wording(text, where if where in text else self.named)

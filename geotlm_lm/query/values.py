@@ -259,6 +259,7 @@ class Unknown(Value):
 
     reason: str
     detail: str = ""  # what is told besides
+    at_s: float | None = None  # the moment that the reason names
     supposing: Value | None = None  # what it comes to on an ordinary thread seen from its head
     probability: float = 0.0
 

@@ -363,7 +363,7 @@ def test_what_and_when_is_told_of_a_recording(line, text):
         ("touch ; at t 1.0:s touch", "Yes. Yes."),  # but two answers
         (
             "begin contact ; end contact",
-            "The beginning of the contact: at 0.0 s. The end of the contact: at 4.0 s.",
+            "It is touched from the start. It is still held when the recording ends (4.0 s).",
         ),
     ],
 )

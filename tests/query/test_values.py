@@ -10,8 +10,12 @@ from geotlm_lm.core.edit import MIRRORED, opposite
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import Component
+from geotlm_lm.query import lines
+from geotlm_lm.query.answers import answers
 from geotlm_lm.query.program import WAY_ATOMS
+from geotlm_lm.query.telling import Teller
 from geotlm_lm.query.values import Truth
+from geotlm_lm.query.written import worded
 from tests.answering.scripted import believed
 from tests.query.programs import (
     RECORDING,
@@ -144,6 +148,25 @@ def test_a_greatest_amount_is_told_with_its_moment(line, at_s):
 ])  # fmt: skip
 def test_times_are_those_of_which_all_is_so_that_is_said(line, times):
     assert told(line, turned_and_slid()).times_s == pytest.approx(times, abs=0.05)
+
+
+@pytest.mark.parametrize(("line", "text"), [
+    ("end contact", "It is still held when the recording ends (2.8 s)."),
+    ("backwards begin contact", "It is touched from the start."),
+    ("backwards end first contact-events", "It is still held when the recording ends (2.8 s)."),
+    ("ends contact-events", "It is still held when the recording ends (2.8 s)."),
+    ("delay end first turn-events end contact",
+     "It is still held when the recording ends (2.8 s)."),
+    ("begin first touch-events", "It is touched from the start."),
+    ("begin contact ; as json", '{"begin": null, "probability": 0.0}'),
+    ("end first turn-events", "At 2.0 s."),
+    ("length contact", "2.8 s."),
+    ("happens none-events", "No."),
+])  # fmt: skip
+def test_what_outlasts_the_recording_is_not_let_go_at_its_end(line, text):
+    held = of_track(turning([40.0, 40.0]).between(0, 70))
+    (value,) = answers(program := lines.read(line), (held,), FRAME)
+    assert worded([value], program.form, Teller(RECORDING, FRAME), value.probability).text == text
 
 
 @pytest.mark.parametrize(("line", "turn", "holds"), [
