@@ -105,15 +105,18 @@ def answer(expression: Expression, context: Context) -> Value:
             frame = replace(context.frame, thread=context.frame.thread or "right",
                             contact_side=context.frame.contact_side or "head")  # fmt: skip
             supposing = answer(expression, replace(context, frame=frame))
-        return Unknown(of=expression, reason=str(lacks), at_s=lacks.at_s, edit=context.view,
-                       supposing=supposing)  # fmt: skip
+        lacking = context.trace.lacking if str(lacks) == "none-such" else None
+        return Unknown(of=expression, reason=str(lacks), at_s=lacks.at_s, lacking=lacking,
+                       edit=context.view, supposing=supposing)  # fmt: skip
 
 
 def _placed(expression: Expression, context: Context) -> tuple[Expression, Context]:
-    """Return `placed`, of what leans on nothing that was asked before."""
+    """Return `placed`, of what leans on nothing that was asked before, in a span that there is."""
     inner, context = placed(expression, context)
     if inner.word in p.LEANING:
         raise Untold("before")
+    if context.begin is not None:
+        middle(context, np.broadcast_to(context.begin, (COUNT,)))
     return inner, context
 
 
@@ -145,7 +148,7 @@ def _compared(inner: Expression, context: Context) -> Iterator[Amount]:
     """Yield the numbers that a truth compares, but for those that were stated."""
     if inner.word in ("not", "and", "or", "xor"):
         for part in inner.arguments:
-            yield from _compared(*_placed(part, context))
+            yield from _compared(*placed(part, context))
     elif inner.word in (">", "<", "=", "~", "in-range"):
         measured_first = inner.arguments[0]
         if measured_first.value is None and isinstance(
@@ -348,7 +351,9 @@ def _cases(inner: Expression) -> tuple[Case, ...]:
 
 
 def _record(expression: Expression, context: Context) -> Value:
-    inner, inside = _placed(expression, context)
+    inner, inside = placed(expression, context)
+    if inner.word not in ("record", "each-clip"):  # of those each part lacks what it lacks
+        inner, inside = _placed(expression, context)
     if inner.word == "record":
         fields = [(each.key, answer(each.answer, inside)) for each in inner.arguments[0]]
     elif inner.word == "each-clip":

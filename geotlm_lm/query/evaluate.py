@@ -120,6 +120,7 @@ class Trace:
     components: dict[Component, None] = field(default_factory=dict)
     happenings: dict[int, Happening] = field(default_factory=dict)
     reason: str | None = None  # why a world lacks what is spoken of
+    lacking: Expression | None = None  # of what happens what is spoken of that most worlds lack
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,8 +81,9 @@ def moved(context: Context, asked: tuple[Component, ...]) -> Moved:
         asked = tuple(each for each in asked if each is not Component.PRESS)
     edit, context = context.view, replace(context, has_edges=Component.PRESS in asked)
     if touching.mean() < 0.5:
-        return Moved(of=of("way", "all"), rest=Motion.NONE, denied=asked, edit=edit,
-                     probability=1 - float(touching.mean()))  # fmt: skip
+        is_brief = bool(context.worlds.contacts and context.worlds.touches.mean() >= 0.5)
+        return Moved(of=of("way", "all"), rest=Motion.NONE, is_brief=is_brief, denied=asked,
+                     edit=edit, probability=1 - float(touching.mean()))  # fmt: skip
     parts = {each: _movement(context, each) for each in COMPONENTS}
     moving = {each: part for each, part in parts.items() if part is not None}
     main = [each for each, (move, _) in moving.items() if not move.barely] or list(moving)

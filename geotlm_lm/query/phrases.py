@@ -200,6 +200,21 @@ def one_of(events: str) -> str:
     return f"{noun}{gap}{rest}"
 
 
+_ORDINALS = dict(enumerate(("", "second ", "third ", "fourth ", "fifth ", "sixth "), 1))
+
+
+def which_phrase(event: Expression) -> str | None:
+    """Return which of what happens is spoken of: "second turn"; None of what has no short name."""
+    place, events = event.arguments if event.word == "nth" else (None, event)
+    if not events.word.endswith(EVENTS):
+        return None
+    count, noun = None if place is None else phrase(place), one_of(phrase(events))
+    if count is None:
+        return noun
+    ordinal = _ORDINALS.get(int(count)) if count.isdigit() else None
+    return f"{noun} number {count}" if ordinal is None else f"{ordinal}{noun}"
+
+
 def _number(value: Any) -> str:
     if not isinstance(value, Quantity):
         return f"number {value.index}"

@@ -315,7 +315,13 @@ def _such(context: Context, condition: Expression, inner: Expression) -> Events:
     return Events.of(events.happenings, masks)
 
 
-def _picked(context: Context, events: Events, is_it: Bools, score: Floats | float = 0.0) -> Spot:
+def _picked(
+    context: Context,
+    events: Events,
+    is_it: Bools,
+    score: Floats | float = 0.0,
+    of_what: Expression | None = None,
+) -> Spot:
     """Return the one of some events with the highest score in each world; NaN where there is none.
 
     Args:
@@ -323,9 +329,12 @@ def _picked(context: Context, events: Events, is_it: Bools, score: Floats | floa
         events: To pick from.
         is_it: In which worlds each may be picked, (events, COUNT).
         score: Of each, as broadcast to that.
+        of_what: What is told to be lacking where it is.
     """
     if not is_it.any(axis=0).all():
         context.trace.reason = "none-such"
+    if is_it.any(axis=0).mean() < 0.5:
+        context.trace.lacking = of_what
     if not events.happenings:
         nowhere = np.full(COUNT, np.nan)
         return Spot(nowhere, nowhere)
@@ -335,10 +344,16 @@ def _picked(context: Context, events: Events, is_it: Bools, score: Floats | floa
     return Spot(spans[:, 0], spans[:, 1])
 
 
-def _nth(context: Context, inner: Expression, count: Callable[[Events], Floats | float]) -> Spot:
+def _nth(context: Context, k: Expression, inner: Expression) -> Spot:
+    events, place = evaluate(inner, context), evaluate(k, context).values
+    is_it = events.is_so & (np.cumsum(events.is_so, axis=0) == place)
+    return _picked(context, events, is_it, of_what=p.of("nth", k, inner))
+
+
+def _last(context: Context, inner: Expression) -> Spot:
     events = evaluate(inner, context)
-    order = np.cumsum(events.is_so, axis=0)
-    return _picked(context, events, events.is_so & (order == count(events)))
+    order = np.arange(len(events.happenings))[:, None]
+    return _picked(context, events, events.is_so, order, inner)
 
 
 _SIZES: dict[str, Callable[[Happening], Floats]] = {
@@ -353,7 +368,7 @@ def _most(size: Callable[[Happening], Floats], sign: float):
     def most(context: Context, inner: Expression) -> Spot:
         events = evaluate(inner, context)
         sizes = np.array([np.broadcast_to(size(each), (COUNT,)) for each in events.happenings])
-        return _picked(context, events, events.is_so, sign * sizes.reshape(-1, COUNT))
+        return _picked(context, events, events.is_so, sign * sizes.reshape(-1, COUNT), inner)
 
     return most
 
@@ -396,9 +411,9 @@ PRIMITIVES |= {
     "since": partial(_beyond, is_until=False),
     "part": _part,
     "around": _around,
-    "first": lambda context, events: _nth(context, events, lambda _: 1),
-    "last": lambda context, events: _nth(context, events, lambda each: each.is_so.sum(axis=0)),
-    "nth": lambda context, k, events: _nth(context, events, lambda _: evaluate(k, context).values),
+    "first": lambda context, events: _nth(context, p.of("1"), events),
+    "last": _last,
+    "nth": _nth,
     **{name: _most(size, 1.0) for name, size in _SIZES.items()},
     **{name: _most(size, -1.0) for name, size in _LEAST.items()},
     "next": partial(_beside, is_next=True),

@@ -29,6 +29,7 @@ from geotlm_lm.query.phrases import (
     unit_phrase,
     way_phrase,
     where_phrase,
+    which_phrase,
 )
 from geotlm_lm.query.program import (
     TRAITS,
@@ -76,12 +77,18 @@ class Teller(Narrator):
         if isinstance(value, Unknown) and value.supposing is not None:
             return self._supposed(value.supposing)
         if isinstance(value, Unknown):
-            text = replies()["missing"][value.reason]
-            text = text if value.at_s is None else text.format(self.moment(value.at_s))
-            return Wording(f"{text} {value.detail}".strip(), self.named)
+            return Wording(self._missing(value), self.named)
         text = _sentence(_TELLERS[type(value)](self, value))
         where = where_phrase(value.edit, self.frame)
         return Wording(text, where if where in text else self.named)
+
+    def _missing(self, value: Unknown) -> str:
+        """Return why something cannot be told."""
+        text = replies()["missing"][value.reason]
+        if value.at_s is not None:
+            text = text.format(self.moment(value.at_s))
+        lacking = None if value.lacking is None else which_phrase(value.lacking)
+        return f"{text if lacking is None else f'There is no {lacking}.'} {value.detail}".strip()
 
     def _supposed(self, value: Value) -> Wording:
         """Return what a value is on an ordinary thread, what is not known of it named first."""
@@ -188,7 +195,8 @@ def _in_short(teller: Teller, value: Value) -> str:
         if value.denied:
             return f"does not {_denied(value)}"
         if not value.movements:
-            return "touches nothing" if value.rest is Motion.NONE else "does not move"
+            is_free = value.rest is Motion.NONE
+            return "touches nothing" + " then" * value.is_brief if is_free else "does not move"
         return all_of([movement_phrase(move) for move in value.movements])
     return teller.tell(value).text.rstrip(".").lower()
 
@@ -208,7 +216,7 @@ def _clause(teller: Teller, motion: Moved) -> str:
     if motion.rest is not None:
         if denied and motion.rest is Motion.STILL:
             return f"{who} does not {denied}"
-        rest = _REST[motion.rest]
+        rest = _REST[motion.rest] + " then" * motion.is_brief
         if motion.rest is Motion.STILL:
             rest += limit_phrase(limits.get(Component.SLIDE, ()))
         return f"{who} does not {denied}: {rest}" if denied else rest
@@ -321,7 +329,8 @@ def _moved(teller: Teller, value: Moved) -> str:
 
 def _kind(teller: Teller, value: Moved) -> str:
     if value.rest is not None:
-        return {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[value.rest]
+        rest = {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[value.rest]
+        return rest + " then" * value.is_brief
     kinds = [KIND_WORDS[move.component] for move in value.movements]
     ways = value.ways
     named = joined([way_phrase(move) for move in value.movements])

@@ -260,6 +260,7 @@ class Unknown(Value):
     reason: str
     detail: str = ""  # what is told besides
     at_s: float | None = None  # the moment that the reason names
+    lacking: Expression | None = None  # what happens that there is none of
     supposing: Value | None = None  # what it comes to on an ordinary thread seen from its head
     probability: float = 0.0
 
@@ -306,6 +307,7 @@ class Moved(Value):
     denied: tuple[Component, ...] = ()
     still_axis: str | None = None  # of a slide that is asked about along "x" or "y"
     rest: Motion | None = None
+    is_brief: bool = False  # whether the rest is of a span alone: something touches at other times
     # Of what does not move how far it would have to go to be seen.
     limits: tuple[tuple[Component, tuple[Measure, ...]], ...] = ()
     tightens: bool | None = None
