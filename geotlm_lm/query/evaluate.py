@@ -408,9 +408,9 @@ def grid(context: Context) -> Floats:
     return inside
 
 
-def moments(context: Context, inner: Expression):
-    """Yield the moments of a span, and in which worlds something is so at each of them."""
-    times = grid(context)
+def moments(context: Context, inner: Expression, times: Floats | None = None):
+    """Yield moments, those of a span by default, and in which worlds something is so at each."""
+    times = grid(context) if times is None else times
     for first in range(0, len(times), GRID):
         part = times[first : first + GRID]
         holds = evaluate(inner, replace(context, now=part[:, None]))

@@ -122,13 +122,16 @@ def _lasts(context: Context, events: Expression) -> Numbers:
 
 
 def _time_while(context: Context, inner: Expression) -> Numbers:
-    """Return for how long something is so: each frame stands for the time around it."""
-    times = grid(context)
-    weights = np.gradient(times) if len(times) > 1 else np.zeros(1)
-    weights[[0, -1]] /= 2
+    """Return for how long something is so: of each time from frame to frame its middle tells it.
+
+    Events begin and end at frames: what lasts is as long as from its begin to its end.
+    """
+    ends = [middle(context, each) for each in context.span]
+    edges = np.unique(np.clip([ends[0], *grid(context), ends[1]], *ends))
     total, at = np.zeros(COUNT), 0
-    for part, holds in moments(context, inner):
-        total = total + weights[at : at + len(part)] @ holds
+    lengths, middles = np.diff(edges), (edges[1:] + edges[:-1]) / 2
+    for part, holds in moments(context, inner, middles):
+        total = total + lengths[at : at + len(part)] @ holds
         at += len(part)
     return _duration(context, total)
 

@@ -309,7 +309,7 @@ def test_a_slide_that_turns_a_corner_goes_as_far_as_both_its_legs():
 
 @pytest.mark.parametrize(("line", "clips", "text"), [
     ("length contact", [of_track(turning([40.0]), recording=UNTIMED)], "50 frames."),
-    ("time-while turn ; as number", [of_track(turning([40.0]), recording=UNTIMED)], "26"),
+    ("time-while turn ; as number", [of_track(turning([40.0]), recording=UNTIMED)], "25"),
     ("way y ; as word", [of_clip(certain(right=9))], "Still."),
     ("way y ; as sign", [of_clip(certain(right=9))], "It does not slide vertically."),
     ("amount y", [of_clip(certain(right=9))], "It does not slide vertically."),

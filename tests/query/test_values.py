@@ -52,6 +52,18 @@ def test_how_often_and_how_long(line, value):
     assert told(line, BACK_AND_FORTH).amount.mean == pytest.approx(value, abs=0.07)
 
 
+@pytest.mark.parametrize(("line", "seconds"), [
+    ("turn", 5), ("ccw", 2), ("touch", 6), ("still", 1),
+])  # fmt: skip
+def test_what_lasts_is_as_long_as_from_its_begin_to_its_end(line, seconds):
+    lasting = told(f"time-while {line}", BACK_AND_FORTH).amount
+    assert lasting.mean == pytest.approx(seconds, abs=1e-9)
+    share = told(f"share {line}", BACK_AND_FORTH).amount
+    assert share.mean == pytest.approx(100 * seconds / 6)
+    if line in ("turn", "ccw"):
+        assert lasting.is_near(told(f"lasts {line}-events", BACK_AND_FORTH).amount)
+
+
 @pytest.mark.parametrize(("line", "holds"), [
     ("> count reverse-events 4", False),
     ("= count reverse-events 3", True),
