@@ -29,6 +29,7 @@ from geotlm_lm.query.evaluate import (
     Spot,
     Trace,
     Untold,
+    area_moment,
     contact_middle,
     evaluate,
     middle,
@@ -224,6 +225,8 @@ def _amount(expression: Expression, context: Context) -> Value:
         most = "peak"
     if most in ("peak", "top-speed") and inside.worlds.is_timed:
         at_s = middle(inside, evaluate(of(f"{most}-time", *of_what), inside))
+    if measure.word == "area" and inside.now is not None and inside.worlds.is_timed:
+        at_s = area_moment(inside)
     return Amount(
         of=expression, amount=amount, probability=right, motion=motion, at_s=at_s,
         both=tuple(_both_ways(measure, motion, until)),

@@ -17,6 +17,7 @@ from geotlm_lm.query.evaluate import (
     Floats,
     Numbers,
     Untold,
+    contact_area,
     contact_middle,
     evaluate,
     middle,
@@ -139,9 +140,10 @@ def _size(name: str):
 
 
 def _area(context: Context) -> Numbers:
-    if context.evidence.area is None:
+    area = contact_area(context)
+    if area is None:
         raise Untold("share")
-    return _number(100 * context.evidence.area.share, "percent", 5.0)
+    return _number(100 * area.share, "percent", 5.0)
 
 
 def _chance(context: Context, inner: Expression) -> Numbers:

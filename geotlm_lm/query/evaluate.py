@@ -351,9 +351,45 @@ def _where(spot: Spot, values: Any) -> Any:
     return np.where(is_there, values, np.nan)
 
 
+def area_moment(context: Context) -> float:
+    """Return in the middle of which times of a recording it is known where it is touched."""
+    return sum(_area_times(context)) / 2
+
+
+def _area_times(context: Context) -> tuple[float, float]:
+    worlds, used = context.worlds, context.evidence.recording.used
+    first, last = np.interp([used[0], used[-1]], worlds.track.numbers, worlds.track.times_s)
+    total = worlds.begin_s + worlds.end_s
+    return (total - last, total - first) if context.view.backwards else (first, last)
+
+
+def contact_area(context: Context) -> ContactArea | None:
+    """Return where the image is touched, as it is known of the time that is asked about.
+
+    Raises:
+        Untold: If nothing touches then, or it is known of another time alone.
+    """
+    area, is_whole = context.evidence.area, context.begin is None and context.now is None
+    if area is None or is_whole or not context.worlds.is_timed:
+        return area
+    times = [np.asarray(each)[np.isfinite(each)] for each in context.looked_at]
+    if not all(each.size for each in times):
+        raise Untold(context.trace.reason or "none-such")
+    begin, end = times[0].min() - 1e-9, times[1].max() + 1e-9
+    if not any(last >= begin and first <= end for first, last in context.worlds.contacts):
+        raise Untold("untouched")
+    first, last = _area_times(context)
+    is_known = begin <= first and last <= end
+    if context.now is not None:
+        is_known = first <= begin + 2e-9 and end - 2e-9 <= last
+    if not is_known:
+        raise Untold("area-then", area_moment(context))
+    return area
+
+
 def contact_middle(context: Context) -> tuple[float, float]:
     """Return where the middle of the contact lies: shares of the width and of the height."""
-    area = context.evidence.area
+    area = contact_area(context)
     if area is None:
         raise Untold("place")
     a, b, c, d = context.view.rotation

@@ -234,6 +234,23 @@ def test_of_a_moment_is_told_what_goes_on_and_how_far_it_went_until_then():
         assert told(line, clip).startswith(text)
 
 
+@pytest.mark.parametrize(("line", "text"), [
+    ("area", "About 10%."),
+    ("within first turn-events area", "About 10%."),
+    ("at t 1.5:s area", "About 10%, at 1.48 s."),
+    ("backwards at t 3.5:s area", "About 10%, at 3.52 s."),
+    ("at t 3.5:s area", "I know where and how much of the image is touched at 1.48 s only."),
+    ("within part 2 2 recording area",
+     "I know where and how much of the image is touched at 1.48 s only."),
+    ("at t 3.5:s lies upper", "I know where and how much of the image is touched at 1.48 s only."),
+    ("at t 4.5:s area", "Nothing touches the gel then."),
+])  # fmt: skip
+def test_the_touched_area_is_that_of_its_own_time(line, text):
+    clip = there_and_back()
+    used = replace(clip, recording=replace(clip.recording, used=(30, 34, 40, 44)))
+    assert told(line, used) == text
+
+
 def test_what_is_unlikely_is_no_guess():
     assert guessed("It turns.", 0.4) == "I cannot tell for sure, 40%: it turns."
     assert "turns" not in guessed("It turns.", 0.001)
