@@ -83,7 +83,8 @@ def track(
         print(NO_EVENTS if tracked.is_contact_known else NO_MOTION)
     else:
         lines = [event_line(event, exported.units, in_frames=in_frames) for event in tracked.events]
-        print("\n".join([aligned(HEAD), *lines, "", *totals_lines(exported)]))
+        sums = totals_lines(exported, in_frames=in_frames)
+        print("\n".join([aligned(HEAD), *lines, "", *sums]))
     if outputs.rerun is not None:
         from geotlm_lm.track.rerun_log import write_or_serve
 
@@ -182,17 +183,22 @@ def aligned(cells: tuple[str, ...]) -> str:
     return "  ".join(columns).rstrip()
 
 
-def totals_lines(exported: Exported) -> list[str]:
+def _touched_phrase(track: Track, touched_s: float | None, *, in_frames: bool) -> str:
+    if touched_s is None:
+        return "whether it is touched is not known"
+    if not in_frames:
+        return f"touched for {touched_s:.2f} s"
+    ends = (track.numbers[track.times_s.searchsorted(each)] for each in track.contacts())
+    frames = sum(int(last - first) for first, last in ends)
+    return f"touched for {frames} frame{'s' * (frames != 1)}"
+
+
+def totals_lines(exported: Exported, *, in_frames: bool = False) -> list[str]:
     """Return what a whole track comes to, in two sentences."""
     totals, unit = exported.totals(), exported.units.name
     turn, way = totals["turn_net"], totals["turn_in_all"]
     slide, far = totals["slide_net"], totals["slide_in_all"]
-    touched_s = totals["touched_s"]
-    touched = (
-        "whether it is touched is not known"
-        if touched_s is None
-        else (f"touched for {touched_s:.2f} s")
-    )
+    touched = _touched_phrase(exported.track, totals["touched_s"], in_frames=in_frames)
     turned, slid = UNREADABLE.format("Turned"), UNREADABLE.format("Slid")
     if turn["amount"] is not None:
         sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"

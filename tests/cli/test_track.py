@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 import time
 from contextlib import contextmanager
 from types import SimpleNamespace
@@ -197,6 +198,7 @@ def test_frame_numbers_stand_for_times_where_no_rate_is_known(capsys, tmp_path):
     np.save(tmp_path / "clip.npy", CLIP.frames)
     lines = run(capsys, tmp_path / "clip.npy", "--plot", tmp_path / "t.png")[1].splitlines()
     assert lines[1].split()[:3] == ["10", "10", "touch"]
+    assert re.search(r"; touched for \d+ frames\.$", lines[-1])
 
 
 STEPS_S = [0.04] * 40 + [0.4] + [0.08] * 64
