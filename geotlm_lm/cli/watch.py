@@ -35,6 +35,7 @@ from geotlm_lm.cli.track import (
     HEAD,
     INTERRUPTED,
     NO_EVENTS,
+    NO_MOTION,
     aligned,
     event_line,
     totals_lines,
@@ -303,11 +304,14 @@ class Watching:
             whole = {"totals": exported.totals(), "notes": list(exported.track.notes)}
             print(json.dumps({"type": "account"} | account | whole), flush=True)
             return
-        lines = ["", *totals_lines(exported)] if self._printed else [NO_EVENTS]
-        print("\n".join(lines), flush=True)
+        track = exported.track
+        if self._printed:
+            print("\n".join(["", *totals_lines(exported)]), flush=True)
+        elif self.tracker.idle is not None:  # without an idle gel nothing was judged
+            print(NO_EVENTS if track.is_contact_known else NO_MOTION, flush=True)
         lost = f"{dropped} dropped" if dropped else "none dropped"
         account = f"{frames} frames, {lost}; each tracked in {frame_ms:.1f} ms."
-        print_notes(*exported.track.notes, account)
+        print_notes(*track.notes, account)
 
     def _due(self, events: list[Event], now_s: float) -> list[Event]:
         """Return the events that are to be printed now: by when they end, each once it is over."""

@@ -65,6 +65,15 @@ def test_it_prints_the_table_that_track_prints_and_the_account_to_stderr(capsys,
     assert "note: Colours were taken for red, green, blue; pass --layout BGR if OpenCV" in err
 
 
+def test_no_touch_is_not_claimed_where_none_was_judged(capsys, tmp_path):
+    write_video(tmp_path / "touching.avi", CLIP.frames[30:31])
+    code, out, err = run(capsys, tmp_path / "touching.avi")
+    assert (code, out) == (0, "")
+    assert "note: No untouched gel was seen" in err
+    write_video(tmp_path / "idle.avi", CLIP.frames[:9].repeat(3, axis=0))
+    assert run(capsys, tmp_path / "idle.avi")[1] == "Nothing touches in the recording.\n"
+
+
 def test_events_are_one_json_object_a_line_and_the_account_is_last(capsys, recording):
     *events, account = map(json.loads, run(capsys, recording, "--json")[1].splitlines())
     assert {one["type"] for one in events} == {"event"}
