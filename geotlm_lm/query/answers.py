@@ -208,7 +208,7 @@ def _amount(expression: Expression, context: Context) -> Value:
     until = inside
     if inside.now is not None and measure.word in _UP_TO:
         until = inside.within(inside.span[0], inside.now)
-    motion = moved(until, components) if components else None
+    motion = _motion_measured(measure, components, until)
     at_rest = None if motion is None else _at_rest(inner, motion, components, until)
     if at_rest is not None:
         return replace(at_rest, of=expression)
@@ -238,15 +238,22 @@ _UP_TO = ("amount", "net", "path")
 """What of a moment is how far it went until then; of a speed it is the moment's own."""
 
 
+def _motion_measured(
+    measure: Expression, components: tuple[Component, ...], context: Context
+) -> Moved | None:
+    """Return the motion that a number is of, of one along an axis that part of it."""
+    if measure.word in p.GOING and measure.arguments[0] in ("x", "y"):
+        return moved_along(context, *measure.arguments)
+    return moved(context, components) if components else None
+
+
 def _at_rest(
     inner: Expression, motion: Moved, components: tuple[Component, ...], context: Context
 ) -> Moved | None:
     """Return that what is measured, or measured by, does not move; None where it does."""
     measure = p.measure_of(inner)
-    if measure.word in p.GOING and measure.arguments[0] in ("x", "y"):
-        motion = moved_along(context, *measure.arguments)
-        if motion.still_axis is not None:
-            return motion
+    if motion.still_axis is not None:
+        return motion
     if inner.word in ("/", "percent-of"):
         context = replace(context, trace=Trace())
         evaluate(inner.arguments[1], context)

@@ -143,12 +143,19 @@ def _movement(context: Context, component: Component) -> tuple[Movement, NDArray
     if belief.readable.get(component, True):
         amount, _ = spread(measured(context, component.value, twist), moves, context)
         if context.now is None and context.worlds.is_timed and component is not Component.PRESS:
-            path, _ = spread(path_of(context, component.value), moves, context)
-            whole = path if path.mean >= LONGER * amount.mean else None
+            whole = _longer_path(context, component.value, moves, amount)
     sides = twist[moves] @ np.array([axes[way], axes[aslant or way]], float).T
     is_diagonal = aslant is not None and (sides[:, 1] >= DIAGONAL * sides[:, 0]).mean() >= SURELY
     return Movement(way, aslant, amount, float(right.mean()), barely,
                     _ends(context, component), whole, bool(is_diagonal)), right  # fmt: skip
+
+
+def _longer_path(
+    context: Context, atom: str, moves: NDArray[np.bool_], amount: Measure
+) -> Measure | None:
+    """Return how far something goes there and back, if that is well above the net amount."""
+    path, _ = spread(path_of(context, atom), moves, context)
+    return path if path.mean >= LONGER * amount.mean else None
 
 
 def _aslant(goes: dict[Motion, NDArray[np.bool_]], way: Motion) -> Motion | None:
@@ -228,7 +235,10 @@ def moved_along(context: Context, axis: str) -> Moved:
     way = max(goes, key=lambda each: goes[each].mean())
     amount, _ = spread(measured(context, axis, twist), moving, context)
     right = float(goes[way].mean())
-    move = Movement(way, None, amount, right, barely=False)
+    path = None
+    if context.now is None and context.worlds.is_timed:
+        path = _longer_path(context, axis, moving, amount)
+    move = Movement(way, None, amount, right, barely=False, path=path)
     return replace(slide, movements=(move,), probability=right)
 
 

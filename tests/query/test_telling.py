@@ -324,6 +324,16 @@ def test_a_slide_that_turns_a_corner_goes_as_far_as_both_its_legs():
     assert path_px == pytest.approx(net_px * 2**0.5, abs=2)
 
 
+def test_an_amount_along_an_axis_is_told_with_its_own_way_and_path():
+    legs = [happened("touch", 5, 5), happened("slide", 20, 40, down=-30.0, right=20.0),
+            happened("slide", 60, 80, right=-8.0), happened("release", 110, 115)]  # fmt: skip
+    clip = of_track(track_of_events(legs))
+    across, down = (told(f"net {axis}", clip) for axis in ("x", "y"))
+    assert re.fullmatch(r"Net about 17 px, likely .*: right, in the camera image; 40 px there and "
+                        r"back\.", across)  # fmt: skip
+    assert re.fullmatch(r"About 32 px, likely .*: up, in the camera image\.", down)
+
+
 @pytest.mark.parametrize(("line", "clips", "text"), [
     ("length contact", [of_track(turning([40.0]), recording=UNTIMED)], "50 frames."),
     ("time-while turn ; as number", [of_track(turning([40.0]), recording=UNTIMED)], "25"),
