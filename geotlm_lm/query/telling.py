@@ -143,8 +143,11 @@ def _reason(teller: Teller, value: Truth, head: Expression) -> str:
             return f"{text} at most, at {teller.moment(compared.at_s)}"
         moves = value.motion.movements if value.motion is not None else ()
         path = next((move.path for move in moves if move.path is not None), None)
-        is_net = path is not None and path.atom == first.atom
-        return f"net {text}, {amount_phrase(path)} there and back" if is_net else text
+        if path is None or path.atom != first.atom:
+            return text
+        is_path = measure_of(head_of(compared.of)).word == "path"
+        others = "" if is_path else f", {amount_phrase(path)}"
+        return f"{'net ' * (not is_path)}{text}{others} there and back"
     motion = value.motion
     if motion is None or head.word in _SELF_EVIDENT:
         return ""
@@ -190,7 +193,8 @@ def _in_short(teller: Teller, value: Value) -> str:
     if isinstance(value, Truth):
         return "yes" if value.holds else "no"
     if isinstance(value, Amount):
-        return f"{'about ' * (value.amount.deviation > 0)}{amount_phrase(value.amount)}"
+        text = f"{'about ' * (value.amount.deviation > 0)}{amount_phrase(value.amount)}"
+        return f"{_extent_word(value)}{text}"
     if isinstance(value, Moved):
         if value.denied:
             return f"does not {_denied(value)}"
@@ -268,7 +272,25 @@ def _amount(teller: Teller, value: Amount) -> str:
         path = motion.movements[0].path
         if head.word in ("amount", "net") and path is not None:
             text = f"net {text}; {amount_phrase(path)} there and back"
-    return f"{text}, there and back together" if head.word == "path" else text
+    return f"{text}, there and back together" if head.word == "path" and _goes_back(value) else text
+
+
+def _goes_back(value: Amount) -> bool:
+    """Tell whether something goes more than one way, as far as it is known what it goes when."""
+    if value.amount.atom in WAY_ATOMS:  # all that goes that way
+        return False
+    ways = {each.way for each in value.shown if each.kind in MOVING}
+    return not value.shown or len(ways) > 1
+
+
+def _extent_word(value: Amount) -> str:
+    """Return which amount of what does not go one way only is told: "at its farthest ", "net "."""
+    if measure_of(head_of(value.of)).word not in ("amount", "net"):
+        return ""
+    if value.at_s is not None:
+        return "at its farthest "
+    moves = () if value.motion is None else value.motion.movements
+    return "net " * any(move.path is not None for move in moves)
 
 
 def _ends_there(value: Amount) -> bool:

@@ -251,6 +251,24 @@ def test_the_touched_area_is_that_of_its_own_time(line, text):
     assert told(line, used) == text
 
 
+def test_there_and_back_is_said_of_what_turned_back():
+    ahead, back = of_track(turning([40.0, 38.0])), there_and_back()
+    assert told("path turn", back).endswith(", there and back together.")
+    assert re.fullmatch(r"About 78 degrees, likely \d+ to \d+\.", told("path turn", ahead))
+    assert told("path cw", back).startswith("About 80 degrees")
+    assert "back" not in told("path cw", back)
+    assert told("> path turn 60.0:deg", back) == "Yes, about 95 degrees there and back."
+    assert told("> path turn 60.0:deg", ahead) == "Yes, about 78 degrees."
+
+
+def test_it_is_said_which_amounts_of_two_recordings_are_compared():
+    clips = (of_track(turning([50.0, -40.0])), of_track(turning([40.0, -15.0, 40.0]), 1))
+    assert told("which-more amount turn", *clips) == (
+        "The second: the first at its farthest about 50 degrees, the second net about 65 degrees."
+    )
+    assert told("which-more path turn", *clips).startswith("Neither: the first about 90 degrees,")
+
+
 def test_what_is_unlikely_is_no_guess():
     assert guessed("It turns.", 0.4) == "I cannot tell for sure, 40%: it turns."
     assert "turns" not in guessed("It turns.", 0.001)
