@@ -88,7 +88,10 @@ def _rows(made: Simulated) -> list[dict[str, Any]]:
     for (name, (key, unit, ways)), deviation in zip(COMPONENTS.items(), deviations, strict=True):
         read, true = made.facts["read"][key], made.facts["true"][key]
         reach = lm.SPAN_DEVIATIONS * float(deviation)
-        texts = (f"{abs(far):.2g}{unit} {ways[far < 0]}" if far else "none" for far in (read, true))
+        texts = (
+            f"{lm.figure_of(abs(far))}{unit} {ways[far < 0]}" if far else "none"
+            for far in (read, true)
+        )
         text = "read {}, true {}".format(*texts)
         span = {"mean": read, "low": read - reach, "high": read + reach, "true": true}
         rows.append({"name": name, "moves": bool(true), "text": text} | span)

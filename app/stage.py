@@ -264,7 +264,7 @@ def _row(belief: Any, component: Any, movement: Any) -> dict[str, Any]:
 
 def _limit(belief: Any, component: Any) -> str:
     unit = {"turn": DEGREE, "slide": " px", "press": " mm"}[component.value]
-    return f" beyond {belief.at_limit.amount(component):.2g}{unit}"
+    return f" beyond {lm.figure_of(belief.at_limit.amount(component))}{unit}"
 
 
 def _told_motion(moved: Sequence[Any], shown: LoadedClip) -> dict[str, Any] | None:
@@ -382,8 +382,7 @@ def _span(band: Any, unit: str) -> str:
 
 
 def _figure(value: float, unit: str = "") -> str:
-    text = f"{value:.2g}" if abs(value) < 100 else f"{value:.0f}"
-    return f"{text}{'' if unit in ('', DEGREE) else ' '}{unit}"
+    return f"{lm.figure_of(value)}{'' if unit in ('', DEGREE) else ' '}{unit}"
 
 
 def _curve(curve: Any, places: NDArray) -> dict[str, Any]:

@@ -47,6 +47,7 @@ _HOME_OF = {
     "draw_depth": "geotlm_lm.views",
     "draw_motion": "geotlm_lm.views",
     "drawing_of": "geotlm_lm.track.drawing",
+    "figure_of": "geotlm_lm.core.figures",
     "flow_phrase": "geotlm_lm.reference_readings",
     "is_streamed": "geotlm_lm.recordings.streams",
     "open_source": "geotlm_lm.recordings.streams",

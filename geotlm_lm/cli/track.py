@@ -21,6 +21,7 @@ from geotlm_lm.cli.options import (
     option,
 )
 from geotlm_lm.cli.progress import print_notes, progress_on_stderr
+from geotlm_lm.core.figures import figure_of
 from geotlm_lm.core.process import uninterrupted_step
 
 if TYPE_CHECKING:
@@ -166,14 +167,9 @@ def event_line(event: Event, units: Units, *, in_frames: bool = False) -> str:
     begin, end = (f"{number}" if in_frames else f"{number:.2f} s" for number in ends)
     band, far, likely = band_of(event, units), "" if event.is_readable else "not seen", ""
     if band.unit:
-        far = f"{plain(band.amount)} {band.unit}"
-        likely = f"{plain(band.low)} to {plain(band.high)}"
+        far = f"{figure_of(band.amount)} {band.unit}"
+        likely = f"{figure_of(band.low)} to {figure_of(band.high)}"
     return aligned((begin, end, band.name, far, likely, f"{event.probability:.2f}"))
-
-
-def plain(amount: float) -> str:
-    """Return an amount with two digits, or as a whole number."""
-    return f"{amount:.0f}" if abs(amount) >= 10 else f"{amount:.2g}"
 
 
 def aligned(cells: tuple[str, ...]) -> str:
@@ -193,6 +189,10 @@ def _touched_phrase(track: Track, touched_s: float | None, *, in_frames: bool) -
     return f"touched for {frames} frame{'s' * (frames != 1)}"
 
 
+def _far(amount: float) -> str:
+    return f"{amount:.3g}" if amount < 100 else figure_of(amount)
+
+
 def totals_lines(exported: Exported, *, in_frames: bool = False) -> list[str]:
     """Return what a whole track comes to, in two sentences."""
     totals, unit = exported.totals(), exported.units.name
@@ -203,16 +203,18 @@ def totals_lines(exported: Exported, *, in_frames: bool = False) -> list[str]:
     if turn["amount"] is not None:
         sense = "clockwise" if turn["amount"] >= 0 else "counterclockwise"
         turned = (
-            f"Turned by {plain(abs(turn['amount']))} degrees {sense} from first to last, "
-            f"{plain(way['amount'])} there and back"
+            f"Turned by {figure_of(abs(turn['amount']))} degrees {sense} from first to last, "
+            f"{figure_of(way['amount'])} there and back"
         )
     if slide["amount"] is not None:
         slid = (
-            f"Slid by {slide['amount']:.3g} {unit} from first to last, {far['amount']:.3g} there "
-            f"and back"
+            f"Slid by {_far(slide['amount'])} {unit} from first to last, {_far(far['amount'])} "
+            f"there and back"
         )
     limits = [totals["turn_limit"], totals["slide_limit"]]
-    turn_beyond, slide_beyond = ("" if x is None else f" by more than {plain(x)}" for x in limits)
+    turn_beyond, slide_beyond = (
+        "" if x is None else f" by more than {figure_of(x)}" for x in limits
+    )
     if way["amount"] == 0:
         turned = f"Does not turn{turn_beyond}{' degrees' * bool(turn_beyond)}"
     if far["amount"] == 0:

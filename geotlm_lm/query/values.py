@@ -9,6 +9,7 @@ from statistics import NormalDist
 import numpy as np
 
 from geotlm_lm.core.edit import Edit
+from geotlm_lm.core.figures import rounded, rounded_up
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import travel_scale
 from geotlm_lm.core.labels import Motion
@@ -100,12 +101,12 @@ class Measure:
 
     @property
     def value(self) -> float:
-        """What is told: no finer than the tolerance, to a digit at least."""
+        """What is told: no finer than the tolerance, to a digit at least, as `rounded`."""
         if self.decimals is not None:
             return round(self.mean, self.decimals)
         step = 10.0 ** math.floor(math.log10(max(self.tolerance, 1e-9)))
         value = round(self.mean / step) * step
-        return float(f"{value if value else self.mean:.{2 if value else 1}g}")
+        return rounded(value) if value else float(f"{self.mean:.1g}")
 
     @property
     def span(self) -> tuple[float, float]:
@@ -113,13 +114,13 @@ class Measure:
         far = SPAN_DEVIATIONS * self.deviation
         is_signed = self.is_signed or self.atom in WAY_ATOMS
         low = self.mean - far if is_signed else max(self.mean - far, 0.0)
-        low, high = 0.0 - _two_digits_up(-low), _two_digits_up(self.mean + far)
+        low, high = 0.0 - rounded_up(-low), rounded_up(self.mean + far)
         return min(low, self.value), max(high, self.value)
 
     @property
     def limit(self) -> float:
-        """Its value as a detection limit: two digits, rounded up."""
-        return _two_digits_up(self.mean)
+        """Its value as a detection limit: rounded up."""
+        return rounded_up(self.mean)
 
     def is_near(self, other: Measure) -> bool:
         """Tell whether both tell the same, within the tolerance."""
@@ -149,14 +150,6 @@ class Measure:
         high = max(size + self.tolerance, size / (1 - RELATIVE_TOLERANCE))
         bell = NormalDist(math.copysign(1, self.value) * self.mean, max(self.deviation, 1e-9))
         return bell.cdf(high) - bell.cdf(low)
-
-
-def _two_digits_up(value: float) -> float:
-    """Return the least number of two digits that is not less."""
-    if value == 0:
-        return 0.0
-    step = 10.0 ** (math.floor(math.log10(abs(value))) - 1)
-    return float(f"{math.ceil(value / step - 1e-9) * step:.2g}")
 
 
 def measure(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from geotlm_lm.core.clip import Frames
 from geotlm_lm.core.errors import Unwritten
+from geotlm_lm.core.figures import figure_of
 from geotlm_lm.core.files import plain_name, replacing_by_name
 from geotlm_lm.core.geometry import filled_size
 from geotlm_lm.core.twist import Component, way_words
@@ -141,7 +142,7 @@ def mark_of(way: Floats, units: Units, time_s: float, bands: Iterable[Band]) -> 
     """Return what is drawn over a frame after a way, as of `Drawing`, while some events go on."""
     right, down = units.travelled(way[1], way[2])
     travelled = f"travelled {right:+.1f} {units.name} right, {down:+.1f} down"
-    words = [f"{b.name} {b.amount:.2g} {b.unit}" if b.unit else b.name for b in bands]
+    words = [f"{b.name} {figure_of(b.amount)} {b.unit}" if b.unit else b.name for b in bands]
     lines = (f"{time_s:.2f} s  turned {way[0]:+.0f} deg  {travelled}", ", ".join(words))
     return Mark(float(way[0]), _arrows(way[None], units)[0], lines)
 

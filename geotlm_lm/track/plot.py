@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from geotlm_lm.core.errors import UsageError
+from geotlm_lm.core.figures import figure_of
 from geotlm_lm.core.files import replacing
 from geotlm_lm.core.twist import Component
 from geotlm_lm.track.drawing import Band, Drawing, drawing_of
@@ -276,8 +277,7 @@ def _label(band: Band) -> str:
         return "rest"
     if kind is EventKind.SLIP or not band.unit:
         return kind.value
-    far = f"{band.amount:.0f}" if band.amount >= 10 else f"{band.amount:.2g}"
-    far += "°" if band.unit == "deg" else f" {band.unit}"
+    far = figure_of(band.amount) + ("°" if band.unit == "deg" else f" {band.unit}")
     return f"{ARROWS[way]} {far}" if way in ARROWS else f"{kind.value} {far}"
 
 

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from geotlm_lm.core.figures import figure_of, rounded_up
 from geotlm_lm.core.tolerance import TOLERANCES, within_tolerance
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.program import WAY_ATOMS
@@ -25,6 +26,21 @@ def test_any_bell_gives_a_value_inside_its_span(told):
     low, high = told.span
     assert low <= told.value <= high
     assert 0 < told.probability <= 1
+
+
+@pytest.mark.parametrize(("mean", "text"), [
+    (0.04, "0.04"), (12.4, "12"), (99.4, "99"), (99.7, "100"), (154.6, "155"), (-160.2, "-160"),
+    (1234.0, "1230"),
+])  # fmt: skip
+def test_every_sentence_rounds_an_amount_alike(mean, text):
+    deviation = 0.05 * abs(mean)
+    amount = Measure("turn", mean, deviation, "deg", TOLERANCES["deg"], is_signed=True)
+    assert amount.figure == text
+    assert figure_of(mean) == text
+    low, high = amount.span
+    assert low <= mean - 1.6 * deviation
+    assert high >= mean + 1.6 * deviation
+    assert rounded_up(high) == high
 
 
 @pytest.mark.parametrize("mean", [0.3, 1.5, 5, 11, 25, 60])
