@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geotlm_lm.query import program as p
-from geotlm_lm.query.evaluate import Context, Untold, evaluate, placed
+from geotlm_lm.query.evaluate import Context, Untold, contact_unknown, evaluate, placed
 from geotlm_lm.query.program import Expression
 from geotlm_lm.query.worlds import COUNT, Happening, Worlds
 from geotlm_lm.track.events import EventKind
@@ -31,7 +31,7 @@ def require_seen(context: Context, time: Expression) -> None:
     if name is None or not _is_of_contact(edge.arguments[0], context):
         return
     if not context.worlds.belief.is_contact_known:
-        raise Untold("contact")
+        raise contact_unknown(context)
     at = np.broadcast_to(evaluate(edge, context), (COUNT,))
     known = at[np.isfinite(at)]
     limit = unseen_ends(context.worlds).get(name)

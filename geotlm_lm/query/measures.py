@@ -21,6 +21,7 @@ from geotlm_lm.query.evaluate import (
     Floats,
     Numbers,
     Untold,
+    contact_unknown,
     grid,
     inside,
     middle,
@@ -107,10 +108,9 @@ def trait(context: Context, word: str) -> Floats:
     belief = context.worlds.belief
     if word in ("touch", "none", "in", "out", "press") and not belief.is_contact_known:
         moves = reduce(np.maximum, (_moves(context, component) for component in COMPONENTS[:2]))
-        is_moving = np.mean(moves) >= 0.5
-        if word == "touch" and is_moving:
+        if word == "touch" and np.mean(moves) >= 0.5:
             return moves  # what turns or slides touches
-        raise Untold("contact" if is_moving or word not in ("touch", "none") else "reference")
+        raise contact_unknown(context)
     if word in ("touch", "none"):
         touches = _touched(context)
         return touches if word == "touch" else 1 - touches

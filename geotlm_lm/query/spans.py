@@ -22,6 +22,7 @@ from geotlm_lm.query.evaluate import (
     Numbers,
     Spot,
     Untold,
+    contact_unknown,
     evaluate,
     grid,
     middle,
@@ -102,6 +103,8 @@ def _duration(context: Context, clock_s: Floats) -> Numbers:
 def _length(context: Context, span: Expression) -> Numbers:
     context.timed()
     if span.word == "contact":  # of several touches, without what lies between
+        if not context.worlds.belief.is_contact_known:
+            raise contact_unknown(context)
         touched_s = sum(end - begin for begin, end in context.worlds.contacts)
         return _duration(context, np.full(COUNT, touched_s))
     return _duration(context, evaluate(span, context).length)
@@ -200,7 +203,7 @@ def _events(kind: str):
         worlds = context.timed()
         of_contact = ("touch", "none", "in", "out", "press", "contact")
         if kind in of_contact and not worlds.belief.is_contact_known:
-            raise Untold("contact")
+            raise contact_unknown(context)
         happenings, masks = [], []
         begin, end = (np.asarray(each) for each in context.span)
         for happening, is_so in _of_kind(worlds, kind):
