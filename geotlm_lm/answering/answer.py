@@ -122,7 +122,7 @@ class Answer:
         kind: The type of what was asked first: "bool", "number", "time", "event", "way", "label",
             "record" or "talk"; "fact" where nothing was.
         frames_used: Numbers of the four frames in the recording.
-        notes: What was guessed or chosen on the way, one sentence each.
+        notes: What was guessed or chosen on the way, one sentence each; what is withheld as well.
         decided: The word that this answer is, such as "yes", "clockwise" or "13 deg": what a
             program reads. None when nothing was decided.
         amount: How far or how fast, with the span it lies in nine times in ten; None when the
@@ -135,6 +135,7 @@ class Answer:
         point_of_view: That was named last, in words; None where none was.
         question: As it was typed.
         written: The program as the model wrote it, numbers and copied words as slots.
+        withheld: The sentence, with its reason, of which a form of values alone says "unknown".
         is_own: What tells whether the language model says the same word for word.
     """
 
@@ -159,6 +160,7 @@ class Answer:
     values: tuple[Value, ...] = ()
     question: str = ""
     written: str = ""
+    withheld: tuple[str, ...] = ()
     is_own: Callable[[], bool] = field(default=bool, repr=False, compare=False)
 
     @cached_property

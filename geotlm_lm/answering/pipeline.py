@@ -29,7 +29,7 @@ from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import WAYS
 from geotlm_lm.query.evaluate import Evidence, with_facts
 from geotlm_lm.query.phrases import facts_phrase, is_plain, label_of, replies, restated
-from geotlm_lm.query.program import TEMPLATES, Program, head_of, of, type_of
+from geotlm_lm.query.program import BARE, TEMPLATES, Program, head_of, of, type_of
 from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import (
     Amount,
@@ -105,15 +105,29 @@ def worded_values(asked: Asked, program: Program, probability: float = 1.0) -> W
     recording = asked.evidence[-1].recording
     recording = recording.at_rate(frame.rate_hz, overrides=len(asked.clips) == 1)
     teller = Teller(recording, frame, asked.named)
-    if program.form in TEMPLATES:  # what a program reads holds no guess
-        values = tuple(_without_guesses(each, probability) for each in values)
-    guesses = tuple(map(is_guess, values))
+    shown = values
+    if program.form in (*TEMPLATES, *BARE):  # what a program reads holds no guess
+        shown = tuple(_without_guesses(each, probability) for each in values)
+    values = shown if program.form in TEMPLATES else values
+    # A sentence tells how it was taken where its reading is doubtful.
+    is_named = program.form == "sentence" and probability < PLAIN
+    reading = 1.0 if is_named else probability
+    guesses = tuple(is_guess(each, reading) for each in values)
     # Where all are guesses the whole answer says so, once.
     marked = (False,) * len(values) if all(guesses) else guesses
     certain = [each for each, is_marked in zip(values, marked, strict=True) if not is_marked]
     sure = probability * min(each.probability for each in certain)
-    wording = worded(values, program.form, teller, sure, marked)
+    chances = [_chance(each, probability) if is_marked else None
+               for each, is_marked in zip(values, marked, strict=True)]  # fmt: skip
+    chances = () if program.form in BARE else chances
+    wording = worded(shown, program.form, teller, sure, chances)
     return Worded(values, wording, teller, sure, guesses)
+
+
+def _chance(value: Value, understood: float) -> float:
+    """Return how probable a guess is, its reading included where that alone makes it one."""
+    chance = value.probability
+    return chance if chance < LEAST_SURE else understood * chance
 
 
 def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
@@ -127,20 +141,21 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
         text = " ".join(
             [*contact_steps(plain.evidence), f"Therefore: {text[:1].lower()}{text[1:]}"]
         )
-    chance = min(each.probability for each in values) if all(words.guesses) else None
-    text = _framed(text, understood, chance)
+    text = _framed(text, understood, words)
     first = values[0]
     # Below one half, the reading included, nothing is decided, though it is told. What is asked
     # besides the first withholds nothing of it.
     is_abstained = words.guesses[0] or sure < LEAST_SURE or not first.is_known
     is_abstained |= any(getattr(each, "kind", "") in SILENT for each in values)
     encoded = looked_at(first, asked.clips)[-1]
+    withheld = _withheld(asked, understood, values)
     return replace(
         plain,
         text=text,
         is_own=is_own,
         kind=type_of(program.answers[0]),
-        notes=(*plain.notes, *_notes(values, teller.recording, evidence)),
+        notes=(*plain.notes, *withheld, *_notes(values, teller.recording, evidence)),
+        withheld=withheld,
         abstained=is_abstained,
         confidence=0.0 if is_abstained else sure,
         direction=None if is_abstained or is_talk else _direction(first),
@@ -153,15 +168,15 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     )
 
 
-def _framed(text: str, understood: Understood, chance: float | None) -> str:
+def _framed(text: str, understood: Understood, words: Worded) -> str:
     """Return an answer with how its question was taken, and as a guess where it is one.
 
-    What fills a template stays as it is.
+    What a program reads stays as it is.
     """
-    if understood.program.form in TEMPLATES:
+    if understood.program.form in (*TEMPLATES, *BARE):
         return text
-    if chance is not None:
-        text = guessed(text, chance)
+    if all(words.guesses):
+        text = guessed(text, min(_chance(each, understood.probability) for each in words.values))
     program = understood.program
     if understood.probability < PLAIN and program.form == "sentence" and not is_plain(program):
         return f"Taken as: {restated(program)}. {text}"
@@ -173,8 +188,24 @@ def _without_guesses(value: Value, understood: float) -> Value:
     if isinstance(value, Record):
         fields = tuple((key, _without_guesses(each, understood)) for key, each in value.fields)
         return replace(value, fields=fields)
-    is_unsure = is_guess(value) or understood * value.probability < LEAST_SURE
+    is_unsure = value.is_known and (understood < LEAST_SURE or is_guess(value, understood))
     return Unknown(of=value.of, reason="unsure", edit=value.edit) if is_unsure else value
+
+
+def _withheld(asked: Asked, understood: Understood, values: Sequence[Value]) -> tuple[str, ...]:
+    """Return the sentence with the reason why a form of values alone says "unknown"."""
+    chance, program = understood.probability, replace(understood.program, form="sentence")
+    is_whole = all(_is_whole(_without_guesses(each, chance)) for each in values)
+    if understood.program.form not in BARE or is_whole:
+        return ()
+    words = worded_values(asked, program, chance)
+    return (_framed(words.wording.text, replace(understood, program=program), words),)
+
+
+def _is_whole(value: Value) -> bool:
+    if isinstance(value, Record):
+        return all(_is_whole(each) for _, each in value.fields)
+    return value.is_known
 
 
 def _noted(asked: Asked, understood: Understood, plain: Answer) -> Answer:

@@ -88,12 +88,12 @@ def told_or_not(value: Value, clips: tuple[Encoded, ...], bundle: Bundle) -> Val
     return value
 
 
-def is_guess(value: Value) -> bool:
-    """Tell whether a value is more likely wrong than right."""
+def is_guess(value: Value, understood: float = 1.0) -> bool:
+    """Tell whether a value is more likely wrong than right, its reading's probability included."""
     if isinstance(value, Record):
-        return any(is_guess(each) for _, each in value.fields)
+        return any(is_guess(each, understood) for _, each in value.fields)
     is_asked_for = head_of(value.of).word in ("why", "sure", "alternatives", "why-of", "sure-of")
-    return value.is_known and not is_asked_for and value.probability < LEAST_SURE
+    return value.is_known and not is_asked_for and understood * value.probability < LEAST_SURE
 
 
 def looked_at(value: Value, clips: tuple[Encoded, ...]) -> tuple[Encoded, ...]:

@@ -113,6 +113,8 @@ class Conversation:
             case _:
                 reply = self.session.ask(line)
                 print(json.dumps(reply.to_dict()) if self.is_json else reply.text)
+                if reply.abstained and not self.is_json:  # of a form that has no words for it
+                    print_notes(*getattr(reply, "withheld", ()))
 
     def _clip(self, path: str) -> None:
         if not path:

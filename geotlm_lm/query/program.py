@@ -166,6 +166,9 @@ TEMPLATES = ("json", "csv", "pairs", "yaml", "tuple", "brackets", "semicolons", 
              "markdown", "dict", "tags")  # fmt: skip
 """Forms that programs read."""
 
+BARE = ("word", "letter", "number", "sign", "yes-no", "one-zero", "bare", "true-false")
+"""Forms of a value alone, which programs read as well."""
+
 MOST_SLOTS, MOST_COPIED = 9, 20
 """Quantities of a text, and words of it, that a program can point at."""
 

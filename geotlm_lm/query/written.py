@@ -20,7 +20,7 @@ from geotlm_lm.query.phrases import (
     phrase,
     way_phrase,
 )
-from geotlm_lm.query.program import Case, head_of, measure_of, type_of
+from geotlm_lm.query.program import BARE, Case, head_of, measure_of, type_of
 from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import (
     Amount,
@@ -31,6 +31,7 @@ from geotlm_lm.query.values import (
     Shown,
     Times,
     Truth,
+    Unknown,
     Value,
 )
 from geotlm_lm.track.events import MOVING
@@ -42,6 +43,9 @@ _PARTED = {"csv": ",", "semicolons": ";", "tabs": "\t", "pipes": "|"}
 _CODE = re.compile(r"-?(?:0|[1-9]\d{0,8})")
 """A label that is a number in JSON; "01" is a word."""
 
+UNKNOWN = "unknown"
+"""Stands alone where a value alone is wanted and is withheld."""
+
 _WRITTEN = {"dict": repr, "json": json.dumps}
 
 
@@ -50,7 +54,7 @@ def worded(
     form: str,
     teller: Teller,
     sure: float = 1.0,
-    guesses: Sequence[bool] = (),
+    guesses: Sequence[float | None] = (),
 ) -> Wording:
     """Return values in a form of `program.FORMS`; what has no such form is told in full.
 
@@ -59,7 +63,8 @@ def worded(
         form: Wanted.
         teller: Of the recording.
         sure: Probability of the whole answer, for JSON.
-        guesses: Of which values a sentence says that they are not sure; empty for none.
+        guesses: How probable each value is of which a sentence says that it is not sure, None of
+            others; empty for none.
     """
     if form in _WRITTEN:
         return Wording(_WRITTEN[form](as_json(values, teller, sure)), teller.named)
@@ -68,7 +73,7 @@ def worded(
     if form in ("list", "table"):
         return _listed(values, form, teller)
     texts, named = [], teller.named
-    for value, is_guess in zip_longest(values, guesses, fillvalue=False):
+    for value, chance in zip_longest(values, guesses):
         short = shortened(value, form, teller)
         own = replace(teller, named=named)
         wording = own.tell(value) if short is None else Wording(short, named)
@@ -76,7 +81,7 @@ def worded(
         if len(values) > 1 and isinstance(value, Times) and short is None and value.times_s:
             asked = phrase(value.of)  # of several times each by its name
             text = f"{asked[:1].upper()}{asked[1:]}: {text[:1].lower()}{text[1:]}"
-        text = guessed(text, value.probability) if is_guess else text
+        text = text if chance is None else guessed(text, chance)
         if not (_denies_all(value) and text in texts):  # which way and how far it does not turn
             texts.append(text)
         named = wording.named
@@ -102,6 +107,8 @@ def guessed(text: str, chance: float) -> str:
 
 def shortened(value: Value, form: str, teller: Teller) -> str | None:
     """Return a value in a short form; None where it has none."""
+    if isinstance(value, Unknown) and form in BARE:
+        return UNKNOWN
     if not value.is_known or form in ("sentence", "one-sentence"):
         return None
     if isinstance(value, Record) and form in ("one-zero", "true-false", "number", "sign"):
@@ -118,6 +125,9 @@ def shortened(value: Value, form: str, teller: Teller) -> str | None:
     if form == "number":
         return _number(value)
     word = decided(value, teller)
+    if word is None and isinstance(value, Record) and form in BARE:
+        words = [shortened(each, "bare", teller) for _, each in value.fields]
+        word = "; ".join(words) if words and None not in words else None
     if word is None or (form == "yes-no" and not isinstance(value, Truth)):
         return None
     return word if form == "bare" else f"{word[:1].upper()}{word[1:]}."

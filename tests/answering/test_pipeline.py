@@ -82,7 +82,7 @@ def test_it_is_asked_back_only_between_close_readings_of_different_values(bundle
 def test_only_a_sentence_says_how_a_question_was_taken(bundle):
     answerer = feeling(bundle, "clockwise", understood=0.45)
     assert ask(answerer, "way turn").text.startswith("Taken as: which way it turns. ")
-    assert ask(answerer, "way turn ; as word").text == "Clockwise."
+    assert ask(answerer, "way turn ; as brief").text == "I cannot tell for sure, 44%: clockwise."
     assert json.loads(ask(answerer, "turn ; as json").text)["turn"] is None
     answerer = feeling(bundle, "clockwise", understood=0.6)
     assert json.loads(ask(answerer, "turn ; as json").text)["turn"] is True
@@ -228,8 +228,38 @@ def test_what_is_more_likely_wrong_than_right_is_told_as_a_guess_and_decides_not
     asked = "as json with 'way' and 'touch'"
     answerer.bundle.reader.lines[asked] = "record @1 way turn , @2 touch end ; as json"
     assert json.loads(ask(answerer, asked).text) == {"way": None, "touch": True}
-    word = ask(feeling(bundle, belief=belief), "way turn ; as word").text
-    assert word.startswith("I cannot tell for sure")
+    brief = ask(feeling(bundle, belief=belief), "way turn ; as brief").text
+    assert brief.startswith("I cannot tell for sure")
+
+
+@pytest.mark.parametrize(("line", "text"), [
+    ("cw ; as true-false", "unknown"),
+    ("way turn ; as word", "unknown"),
+    ("amount turn ; as number", "unknown"),
+    ("choose pass cw | fail other ; as bare", "unknown"),
+    ("unit mm amount slide ; as number", "unknown"),
+    ("record cw , touch end ; as one-zero", "unknown, 1"),
+    ("record way turn , touch end ; as word", "Unknown; yes."),
+    ("touch ; cw ; as yes-no", "Yes. unknown"),
+])  # fmt: skip
+def test_a_value_alone_that_is_withheld_is_unknown_and_a_note_says_why(bundle, line, text):
+    belief = replace(believed("clockwise", share=0.55, spread=1.0), contact=1.0)
+    answer = ask(feeling(bundle, belief=belief, understood=0.8), line)
+    assert answer.text == text
+    assert answer.withheld[0] in answer.notes
+    assert "I cannot tell" in answer.withheld[0] or "size of a pixel" in answer.withheld[0]
+    assert answer.decided == ("yes" if line.startswith("touch") else None)
+
+
+def test_what_only_its_reading_makes_a_guess_is_told_as_one(bundle):
+    belief = replace(believed("clockwise", share=0.55), contact=1.0)
+    doubtful = feeling(bundle, belief=belief, understood=0.8)
+    assert ask(doubtful, "cw").text.startswith("I cannot tell for sure, 4")
+    word = ask(doubtful, "cw ; as word")
+    assert (word.text, word.abstained) == ("unknown", True)
+    assert word.options["yes"] > 0.5
+    sure = ask(feeling(bundle, belief=belief, understood=0.95), "cw ; as word")
+    assert (sure.text, sure.withheld) == ("Yes.", ())
 
 
 @pytest.mark.parametrize("line", ["way all", "kind", "extent", "way turn", "record way all end"])

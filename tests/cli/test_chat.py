@@ -117,6 +117,12 @@ def test_quit_ends_it_before_the_input_does(talk, word):
     assert talk(word, "Which way?")[0] == []
 
 
+def test_a_note_says_why_a_value_alone_is_unknown(talk):
+    out, err = talk("unit mm amount slide ; as number")
+    assert out == ["unknown"]
+    assert err[-1].startswith("note: I need the size of a pixel")
+
+
 def test_help_lists_every_command_with_and_without_a_stroke(talk):
     out, _ = talk("/help")
     assert talk("Help")[0] == out
