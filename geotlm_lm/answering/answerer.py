@@ -21,7 +21,7 @@ from geotlm_lm.answering.perceiving import (
 )
 from geotlm_lm.answering.pipeline import answer, compared
 from geotlm_lm.answering.reasons import own_view, reasoning_steps
-from geotlm_lm.answering.understanding import Asked, Understood, understand
+from geotlm_lm.answering.understanding import Asked, Understood, is_sound, understand
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -297,6 +297,7 @@ class Turn:
         before: What was asked before it.
         named: The point of view that had been named by then.
         place: Of the clip in the conversation, from 0.
+        is_sound: Whether what was asked could be answered of some recording.
     """
 
     question: str
@@ -306,6 +307,7 @@ class Turn:
     before: Program
     named: str | None
     place: int
+    is_sound: bool = True
 
 
 class Session:
@@ -337,15 +339,14 @@ class Session:
 
     @property
     def last(self) -> Reply | None:
-        """The last answer about a clip: neither talk nor a fact."""
+        """The last answer about a clip: neither talk nor a fact, nor of what makes no sense."""
         turn = self._last_turn
         return None if turn is None else turn.answer
 
     @property
     def _last_turn(self) -> Turn | None:
-        return next(
-            (turn for turn in reversed(self.history) if turn.answer.kind not in _ASIDE), None
-        )
+        turns = (turn for turn in reversed(self.history) if turn.answer.kind not in _ASIDE)
+        return next((turn for turn in turns if turn.is_sound), None)
 
     def add_clip(self, encoded: Encoded) -> None:
         """Make another clip the one that questions are about; comparisons look back at the last.
@@ -399,15 +400,17 @@ class Session:
             reply = compared(asked, understood)
         else:
             reply = answer(asked, understood)
-        place = len(self.clips) - 1
-        turn = Turn(typed, reply, self.frame, self.encoded, self._before, self._named, place)
+        place, sound = len(self.clips) - 1, is_sound(asked.values(understood.program))
+        turn = Turn(typed, reply, self.frame, self.encoded, self._before, self._named, place, sound)
         self.history.append(turn)
         if isinstance(reply, Answer):
             self._named = reply.point_of_view or self._named
         if understood.ask_back is None:
             self.frame = asked.frame_after(understood.program)
-            # "Thanks" and "why?" are nothing that a follow-up leans on.
-            if any(type_of(head_of(each)) != "talk" for each in understood.program.answers):
+            # "Thanks" and "why?" are nothing that a follow-up leans on, nor is what makes no sense.
+            if sound and any(
+                type_of(head_of(each)) != "talk" for each in understood.program.answers
+            ):
                 self._before = understood.program
         return reply
 

@@ -152,6 +152,15 @@ def _words(value: Value) -> Iterator[str]:
         yield from words_of(expression)
 
 
+UNSOUND = ("unit", "before")
+"""Reasons for which no recording would answer a question, whatever else were stated."""
+
+
+def is_sound(values: Sequence[Value]) -> bool:
+    """Tell whether what was asked could be answered of some recording."""
+    return not values or any(getattr(each, "reason", None) not in UNSOUND for each in values)
+
+
 @dataclass(frozen=True)
 class Asked:
     """The recordings that are asked about, and what held before the question.

@@ -169,7 +169,9 @@ def _spelled(
         return _refined(last, expression)
     if word in ("instead", "with"):
         what, inner = expression.arguments[0], _spelled(expression.arguments[1], last, wanted, unit)
-        return _of_another(inner, what) if word == "instead" else _with_number(inner, what)
+        if word == "with":
+            return _with_number(inner, what)
+        return _of_another(inner, what, is_whole=is_whole)
     if word == "plain" and expression.arguments[0].word == "again":
         return _fitted(head_of(last), wanted, unit)
     if word in _PLACED and any(each.word == "again" for each in expression.arguments[-1]):

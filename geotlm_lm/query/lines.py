@@ -20,6 +20,7 @@ from geotlm_lm.core.errors import UsageError
 from geotlm_lm.core.twist import Component
 from geotlm_lm.query.program import (
     ACCEPTED,
+    AROUND,
     BETWEEN,
     COMPARED,
     COMPONENT,
@@ -361,21 +362,33 @@ def _fits(quantity: Quantity, units: Sequence[str]) -> bool:
     return not (is_size and quantity.unit == "px") and (top in units or is_part)
 
 
+def _without_unit(measured: Expression) -> Expression:
+    """Return what is measured without the unit that it is told in."""
+    if measured.word == "unit":
+        return _without_unit(measured.arguments[1])
+    if measured.word not in ("round", *AROUND):
+        return measured
+    *outer, inner = measured.arguments
+    return of(measured.word, *outer, _without_unit(inner))
+
+
 def normal(value: Any) -> Any:
     """Return a program, or a part of one, in the words that all who mean the same share.
 
     A run of views is in its shortest words: one that is taken back at once is none. Degrees are not
-    named, in which angles are told anyway, and a speed's unit of time stands before that of its
-    way.
+    named, in which angles are told anyway, a unit takes the place of one inside it, and a speed's
+    unit of time stands before that of its way.
     """
     value = with_parts(value, normal)
     if isinstance(value, Expression) and value.word == "unit":
         unit, measured = value.arguments
+        if (bare := _without_unit(measured)) != measured:
+            return normal(of("unit", unit, bare))
         if measured.word == "per":
             time, way = measured.arguments
             return of("per", time, normal(of("unit", unit, way)))
         is_angle = (units_of(measured) or ("",))[0] in UNITS["angle"]
-        return measured if unit == "deg" and is_angle and measured.word != "unit" else value
+        return measured if unit == "deg" and is_angle else value
     words, inner = [], value
     while isinstance(inner, Expression) and inner.word in EDIT_WORDS:
         words.append(inner.word)

@@ -34,6 +34,14 @@ def test_talk_and_reasons_between_do_not_make_it_forget(session):
     assert session.ask("unit rad again").amount.unit == "rad"
 
 
+def test_what_no_recording_could_answer_is_nothing_to_lean_on(session):
+    turned = session.ask("amount turn")
+    assert session.ask("unit percent again").text.startswith("That unit does not fit")
+    assert session.ask("Are you sure?").text.endswith(turned.text[1:])
+    assert session.ask("unit rad again").amount.unit == "rad"
+    assert session.ask("unit deg again").query == "amount turn"
+
+
 @pytest.mark.parametrize("first", ["way turn ; as word", "way turn ; as json", "touch ; as yes-no"])
 def test_a_point_of_view_that_no_sentence_named_is_named_yet(session, first):
     assert " image" not in session.ask(first).text.split('"frame"')[0]
