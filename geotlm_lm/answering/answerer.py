@@ -21,7 +21,7 @@ from geotlm_lm.answering.perceiving import (
 )
 from geotlm_lm.answering.pipeline import answer, compared
 from geotlm_lm.answering.reasons import own_view, reasoning_steps
-from geotlm_lm.answering.understanding import Asked, Understood, is_sound, understand
+from geotlm_lm.answering.understanding import Asked, Understood, is_sound, understand, with_waiting
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
 from geotlm_lm.core.edit import Edit
@@ -393,6 +393,8 @@ class Session:
         clips = tuple(self.clips[-2:])
         asked = Asked(self.answerer.bundle, clips, self.frame, self._named)
         understood = understand(asked.bundle.reader, typed, self._before, asked)
+        sure = getattr(self.last, "understood", 1.0)
+        understood = with_waiting(understood, self._before, sure, asked)
         about_last = self._about_last(understood)
         if about_last is not None:
             reply: Reply = about_last

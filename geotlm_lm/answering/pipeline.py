@@ -175,12 +175,13 @@ def _framed(text: str, understood: Understood, words: Worded) -> str:
     """
     if understood.program.form in (*TEMPLATES, *BARE):
         return text
+    noted = f"Noted: {facts_phrase(understood.program.facts)}. " * understood.is_resumed
     if all(words.guesses):
         text = guessed(text, min(_chance(each, understood.probability) for each in words.values))
     program = understood.program
     if understood.probability < PLAIN and program.form == "sentence" and not is_plain(program):
-        return f"Taken as: {restated(program)}. {text}"
-    return text
+        return f"{noted}Taken as: {restated(program)}. {text}"
+    return f"{noted}{text}"
 
 
 def _without_guesses(value: Value, understood: float) -> Value:

@@ -161,6 +161,21 @@ def is_sound(values: Sequence[Value]) -> bool:
     return not values or any(getattr(each, "reason", None) not in UNSOUND for each in values)
 
 
+STATED = ("scale", "rate", "thread")
+"""Reasons for which a question waits for a fact that can be stated."""
+
+
+def lacking(values: Sequence[Value]) -> list[Value | None]:
+    """Return what each value that waits for a fact is supposed to be, None where that is open."""
+    lacks: list[Value | None] = []
+    for value in values:
+        if isinstance(value, Record):
+            lacks += lacking([each for _, each in value.fields])
+        elif isinstance(value, Unknown) and value.reason in STATED:
+            lacks.append(value.supposing)
+    return lacks
+
+
 @dataclass(frozen=True)
 class Asked:
     """The recordings that are asked about, and what held before the question.
@@ -240,6 +255,7 @@ class Understood:
         milliseconds: That reading took.
         question: As it was typed.
         written: The program as the model wrote it, numbers and copied words as slots.
+        is_resumed: Whether only the facts are of this question, and what waited for them is asked.
     """
 
     program: Program
@@ -249,6 +265,7 @@ class Understood:
     milliseconds: float = 0.0
     question: str = ""
     written: str = ""
+    is_resumed: bool = False
 
     @property
     def line(self) -> str:
@@ -288,6 +305,26 @@ def understand(
     understood = _chosen(reader, readings, before or Program(), asked)
     took = 1e3 * (time.perf_counter() - started)
     return replace(understood, milliseconds=took, question=question)
+
+
+def with_waiting(understood: Understood, before: Program, sure: float, asked: Asked) -> Understood:
+    """Return what was understood, with what was asked before where that waited for a fact in it.
+
+    Args:
+        understood: What is said now.
+        before: What was asked last.
+        sure: How probable it is that that was meant.
+        asked: About what.
+    """
+    program = replace(before, facts=understood.program.facts)
+    is_fact = understood.ask_back is None and program.facts and not understood.program.answers
+    if not is_fact or asked.frame_after(program) == asked.frame:
+        return understood
+    lacks = lacking(asked.values(replace(before, facts=())))
+    if not lacks or lacking(asked.values(program)) == lacks:
+        return understood
+    probability = sure * understood.probability
+    return replace(understood, program=program, probability=probability, is_resumed=True)
 
 
 def _of_condition(reader: Reader, text: str, unlikely: frozenset[str]) -> list[Reading]:

@@ -82,6 +82,27 @@ def test_what_was_stated_and_understood_holds_there_until_it_is_taken_back(sessi
     assert session.frame == FrameSpec()
 
 
+def test_what_waits_for_a_fact_is_answered_once_that_is_stated(session):
+    assert "size of a pixel" in session.ask("unit mm amount slide ; amount turn").text
+    assert session.ask("fact seen sensor").text.startswith("Noted: ")
+    session.ask("Thanks!")
+    told = session.ask("fact scale 0.06:mm").text
+    assert told.startswith("Noted: a pixel measures 0.06 mm. ")
+    assert "12 degrees" in told
+    assert session.ask("fact scale 0.07:mm").text == "Noted: a pixel measures 0.07 mm."
+    session.ask("tighten ; as word")
+    assert session.ask("fact thread left ; fact side head").text == "No."
+    assert session.ask("not again").decided == "yes"
+    assert session.ask("amount turn").text.startswith("About 12")
+    assert session.ask("fact not everything").text.startswith("Noted")
+
+
+def test_a_fact_that_is_refused_answers_nothing(session):
+    session.ask("unit mm amount slide")
+    assert "0.001 to 2 mm" in session.ask("fact scale 50.0:mm").text
+    assert session.ask("fact scale 0.06:mm").text.startswith("Noted: a pixel measures 0.06 mm. ")
+
+
 def test_doubt_repeats_the_answer_with_its_probability(session):
     told = session.ask("Which way is it turning?")
     sure = session.ask("Are you sure?")
