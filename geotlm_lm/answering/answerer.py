@@ -20,7 +20,7 @@ from geotlm_lm.answering.perceiving import (
     with_found_idle,
 )
 from geotlm_lm.answering.pipeline import answer, compared
-from geotlm_lm.answering.reasons import own_view, reasoning_steps
+from geotlm_lm.answering.reasons import own_view, reasoning_steps, times_step
 from geotlm_lm.answering.understanding import Asked, Understood, is_sound, understand, with_waiting
 from geotlm_lm.checkpoint import Bundle, load_bundle
 from geotlm_lm.core.clip import Clip
@@ -261,8 +261,10 @@ class Answerer:
         frame = f"The answer is told in this frame: {answer.frame.summary()}."
         measured = [] if answer.motion is None else [answer.motion.sentence()]
         source = "by rule, from the geometry the model read"
+        times = times_step(answer.values, encoded.evidence_by(0), answer.frame)
         own = self._own_view(encoded, answer)
-        return Why((place, *steps, *measured, *own, frame, conclusion), source)
+        events = [times] if times else []
+        return Why((place, *steps, *measured, *events, *own, frame, conclusion), source)
 
     def _own_view(self, encoded: Encoded, answer: Answer) -> list[str]:
         """Return what the language model itself makes of what it was asked, where it was asked."""

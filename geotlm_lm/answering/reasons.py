@@ -8,11 +8,28 @@ and right along x, upper and lower along y) add up where the gel is pressed apar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion, signed_amount
+from geotlm_lm.query.answers import answers
+from geotlm_lm.query.evaluate import Evidence
+from geotlm_lm.query.phrases import phrase
+from geotlm_lm.query.program import (
+    AROUND,
+    Expression,
+    Program,
+    dimension_of,
+    head_of,
+    of,
+    type_of,
+)
+from geotlm_lm.query.reader import MISSING
+from geotlm_lm.query.stories import MOST_TOLD, most
+from geotlm_lm.query.telling import Teller
+from geotlm_lm.query.values import Amount, Record, Times, Value
 
 Regions = Mapping[str, Mapping[str, float]]
 """Shear change (x right, y down, unitless) and contact mass of each of the seven regions."""
@@ -128,18 +145,77 @@ def contact_steps(evidence: Mapping[str, Any], where: str = "") -> tuple[str, st
     return _sentence(place), _sentence(f"{where} {halves(regions)}".strip())
 
 
+def times_step(values: Sequence[Value], evidence: Evidence, frame: FrameSpec) -> str:
+    """Return which events and spans times rest on, from when to when, in a sentence.
+
+    Args:
+        values: What was asked came to.
+        evidence: Of the clip.
+        frame: In which it is told.
+
+    Returns:
+        "" where nothing of it is a time.
+    """
+    teller = Teller(evidence.recording.at_rate(frame.rate_hz, overrides=True), frame)
+    parts: list[str] = []
+    for value in values:
+        if isinstance(value, Record) and value.of.word == "record":
+            parts += [times_step([each], evidence, frame) for _, each in value.fields]
+        elif _is_of_time(value):
+            spans = (_span_text(each, evidence, teller) for each in _spans_in(value.of))
+            story = teller.story(value, most(value.shown, MOST_TOLD), value.shown)
+            text = "; ".join(dict.fromkeys(filter(None, spans))) or story
+            parts.append(f"It rests on this: {text}." if text else "")
+    return " ".join(dict.fromkeys(filter(None, parts)))
+
+
+def _is_of_time(value: Value) -> bool:
+    if isinstance(value, Amount):
+        return dimension_of(value.amount.unit) == "time"
+    return bool(getattr(value, "times_s", ()))
+
+
+def _spans_in(expression: Expression) -> Iterator[Expression]:
+    """Yield the events and spans of an expression, each with the views and spans around it."""
+    if expression.word in AROUND:
+        *outer, inner = expression.arguments
+        yield from (of(expression.word, *outer, each) for each in _spans_in(inner))
+    elif expression.value is None and type_of(expression) in ("event", "span"):
+        yield expression
+    else:
+        for each in expression.arguments:
+            if isinstance(each, Expression):
+                yield from _spans_in(each)
+
+
+def _span_text(span: Expression, evidence: Evidence, teller: Teller) -> str:
+    """Return "the first turn, from 1.2 to 3.4 s"; "" where that is not known."""
+    ends = (_placed_end(span, end) for end in ("begin", "end"))
+    values = answers(Program(tuple(ends)), (evidence,), teller.frame)
+    times = [time for each in values if isinstance(each, Times) for time in each.times_s]
+    return f"{phrase(head_of(span))}, {teller.span((times[0], times[1]))}" if times[1:] else ""
+
+
+def _placed_end(span: Expression, end: str) -> Expression:
+    if span.word not in AROUND:
+        return of(end, span)
+    *outer, inner = span.arguments
+    return of(span.word, *outer, _placed_end(inner, end))
+
+
 def own_view(slots: Mapping[str, Mapping[str, float]], sentence: str, *, is_same: bool) -> str:
     """Return what the language model itself makes of a clip, as one sentence.
 
     Args:
         slots: Of each slot its words' probabilities.
-        sentence: Its own.
+        sentence: Its own; it is quoted where it is whole.
         is_same: Whether that is the answer.
     """
     likeliest = {slot: max(shares, key=shares.__getitem__) for slot, shares in slots.items()}
     words = (f"{slot} {word} ({slots[slot][word]:.0%})" for slot, word in likeliest.items())
     slots_text = ", ".join(words)
-    own = "; it says the same" if is_same else f"; it says {sentence!r}" if sentence else ""
+    is_whole = sentence and MISSING not in sentence
+    own = "; it says the same" if is_same else f"; it says {sentence!r}" if is_whole else ""
     return f"The language model itself: {slots_text}{own}."
 
 

@@ -100,6 +100,9 @@ NUMBERS = tuple(f"={place}" for place in range(1, 10))
 """Numbers of an answer in their order, which are copied from its value."""
 
 WORDS = (READ, END, SAY, *SLOT_TOKENS, *NUMBERS, *PROGRAM_WORDS, *UNIT_WORDS, *SIZE_WORDS)
+MISSING = "\N{HORIZONTAL ELLIPSIS}"
+"""Stands in an answer for a number that its value does not hold, and for what is left out."""
+
 _NUMBER = re.compile(r"\d+(?:\.\d+)?")
 _SPACES = re.compile(r"\s+")
 
@@ -186,7 +189,7 @@ class Spelling:
             parts, word = [], self.words[each - first]
             if word in NUMBERS:
                 place = NUMBERS.index(word)
-                text += numbers[place] if place < len(numbers) else "?"
+                text += numbers[place] if place < len(numbers) else MISSING
         return with_singulars(text)
 
     def text(self, text: str) -> list[int]:

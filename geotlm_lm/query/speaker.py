@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from geotlm_lm.core.process import in_one_thread
 from geotlm_lm.language.sequence import Floats, SequenceDecoder, TextCache, log_softmax
 from geotlm_lm.language.size import SLOTS
-from geotlm_lm.query.reader import END, MOST_SAID, READ, SAY, SLOT_TOKENS, Spelling
+from geotlm_lm.query.reader import END, MISSING, MOST_SAID, READ, SAY, SLOT_TOKENS, Spelling
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,10 @@ class Speaker:
 
     @in_one_thread()
     def sentence(self, prefix: TactilePrefix, question: str, line: str, value: str) -> str:
-        """Return what the model says, with the numbers of a value as it is worded."""
+        """Return what the model says, with the numbers of a value as it is worded.
+
+        `MISSING` stands for numbers that the value does not hold, and behind what has no end.
+        """
         begin = self.spelling.id_of[SAY]
         hidden, cache = self._read(prefix, self._asked(question, line), [begin])
         written: list[int] = []
@@ -87,7 +90,8 @@ class Speaker:
             if written[-1] == self.spelling.id_of[END]:
                 break
             hidden = self.decoder.speak(self.decoder.embeddings[written[-1:]], cache)
-        return self.spelling.sentence_of(written, value)
+        is_over = written[-1] == self.spelling.id_of[END]
+        return self.spelling.sentence_of(written, value) + MISSING * (not is_over)
 
     def _asked(self, question: str, line: str) -> list[int]:
         return self.spelling.question(question).ids + self.spelling.query(line.split())

@@ -4,10 +4,22 @@ import numpy as np
 import pytest
 import torch
 
-from geotlm_lm.answering.reasons import contact_place, halves, pattern_of, reasoning_steps
+from geotlm_lm.answering.reasons import (
+    contact_place,
+    halves,
+    own_view,
+    pattern_of,
+    reasoning_steps,
+    times_step,
+)
+from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.geometry import REGIONS
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.dgr.regions import pool_regions, region_mass
+from geotlm_lm.query.answers import answers
+from geotlm_lm.query.lines import read
+from geotlm_lm.query.reader import MISSING
+from tests.query.programs import there_and_back
 
 SIDE = 14
 Y, X = np.mgrid[:SIDE, :SIDE] - (SIDE - 1) / 2
@@ -117,3 +129,36 @@ def test_the_chain_says_what_adds_up_for_the_claim_or_against_it(motion, claim, 
     assert told[2].endswith(sums)
     assert told[-1] == "Therefore: So it is."
     assert len(steps((0.0, 0.0), None)) == len(steps((0.0, 0.0), Motion.STILL)) == 3
+
+
+@pytest.mark.parametrize(
+    ("line", "step"),
+    [
+        ("length contact", "the contact, from 0.0 to 4.0 s"),
+        ("delay begin first ccw-events end nth 3 turn-events",
+         "the first counterclockwise turn, from 2.0 to 3.0 s; turn number 3, from 3.0 to 4.0 s"),
+        ("within part 1 2 contact begin first turn-events", "the first turn, from 1.0 to 2.0 s"),
+        ("record amount turn , length longest turn-events end",
+         "the longest turn, from 1.0 to 2.0 s"),
+    ],
+)  # fmt: skip
+def test_times_name_the_events_that_they_rest_on(line, step):
+    evidence = there_and_back()
+    values = answers(read(line), (evidence,), FrameSpec())
+    assert times_step(values, evidence, FrameSpec()) == f"It rests on this: {step}."
+
+
+def test_a_time_of_no_event_in_particular_rests_on_what_it_looked_at():
+    evidence = there_and_back()
+    for line, begin in (("time-while cw", "It rests on this: it turns clockwise"), ("turn", "")):
+        values = answers(read(line), (evidence,), FrameSpec())
+        assert times_step(values, evidence, FrameSpec()).startswith(begin)
+        assert begin or not times_step(values, evidence, FrameSpec())
+
+
+def test_only_a_whole_sentence_of_the_model_is_quoted():
+    slots = {"turn": {"cw": 0.9, "none": 0.1}}
+    whole = own_view(slots, "it turns, about 14 degrees.", is_same=False)
+    assert whole.endswith("; it says 'it turns, about 14 degrees.'.")
+    cut_off = own_view(slots, f"about 14 degrees, likely {MISSING} to {MISSING}.", is_same=False)
+    assert cut_off == "The language model itself: turn cw (90%)."
