@@ -28,7 +28,7 @@ from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import DIRECTED, Motion
 from geotlm_lm.core.twist import WAYS
 from geotlm_lm.query.evaluate import Evidence, with_facts
-from geotlm_lm.query.phrases import facts_phrase, is_plain, label_of, replies, restated
+from geotlm_lm.query.phrases import facts_phrase, is_talk, label_of, replies, restated
 from geotlm_lm.query.program import BARE, TEMPLATES, Program, head_of, of, type_of
 from geotlm_lm.query.telling import Teller, Wording
 from geotlm_lm.query.values import (
@@ -179,7 +179,7 @@ def _framed(text: str, understood: Understood, words: Worded) -> str:
     if all(words.guesses):
         text = guessed(text, min(_chance(each, understood.probability) for each in words.values))
     program = understood.program
-    if understood.probability < PLAIN and program.form == "sentence" and not is_plain(program):
+    if understood.probability < PLAIN and program.form == "sentence" and not is_talk(program):
         return f"{noted}Taken as: {restated(program)}. {text}"
     return f"{noted}{text}"
 

@@ -22,7 +22,7 @@ from geotlm_lm.query.answers import answers
 from geotlm_lm.query.evaluate import Evidence, with_facts
 from geotlm_lm.query.follow_up import resumed
 from geotlm_lm.query.lines import FACTS, write
-from geotlm_lm.query.phrases import is_plain, replies, restated
+from geotlm_lm.query.phrases import is_refused, is_talk, replies, restated
 from geotlm_lm.query.program import (
     LEANING,
     TWO_CLIPS,
@@ -369,9 +369,8 @@ def _chosen(
     if unclear:
         notes = tuple(replies()["unclear_same"][each] for each in unclear)
         understood = replace(understood, notes=notes)
-    # What is told of no motion turns no robot the wrong way.
     is_unsure = understood.probability < (UNDERSTOOD if is_close else UNLIKELY)
-    is_doubtful = is_unsure and not is_plain(program)
+    is_doubtful = is_unsure and not is_talk(program)
     if program.facts and understood.probability < UNDERSTOOD_FACTS:
         # Facts that may not have been stated would hold from now on.
         is_doubtful |= rival is None or set(rival.facts) != set(program.facts)
@@ -409,7 +408,7 @@ def _same(one: Value, other: Value) -> bool:
     if isinstance(one, Amount) and isinstance(other, Amount):
         return one.amount.is_near(other.amount)
     if isinstance(one, Remark) and isinstance(other, Remark):
-        return (one.kind, one.topic) == (other.kind, other.topic)
+        return one.kind == other.kind and (one.kind == "cannot" or one.topic == other.topic)
     if isinstance(one, Unknown) or isinstance(other, Unknown):
         return getattr(one, "reason", None) == getattr(other, "reason", None)
     words = decided(one, _WORDS), decided(other, _WORDS)
@@ -445,7 +444,10 @@ def _asked_back(program: Program, rival: Program | None) -> str:
     """Return one short question between two readings; what both state alike is left out."""
     if rival is not None and set(rival.facts) == set(program.facts):
         program, rival = replace(program, facts=()), replace(rival, facts=())
-    words = [restated(each) for each in (program, rival) if each is not None]
+    # Nobody means to ask what cannot be told.
+    words = [restated(each) for each in (program, rival) if each and not is_refused(each)]
+    if not words:
+        return replies()["unclear_question"]
     if sum(len(each.split()) for each in words) > MOST_OFFERED:
         words = words[:1]
     if len(words[0].split()) > MOST_OFFERED:

@@ -46,6 +46,12 @@ _SO = {
 }  # fmt: skip
 """What is so or happens, as a clause."""
 
+_TOPICS = {
+    "rate": "frame rate", "interval": "time from frame to frame", "size": "size in pixels",
+    "used": "frames that were looked at", "scale": "size of a pixel",
+}  # fmt: skip
+"""What is asked of a file, as a noun."""
+
 _NOUNS = {
     "turn": "turns", "slide": "slides", "press": "presses", "cw": "clockwise turns",
     "ccw": "counterclockwise turns", "left": "slides to the left", "right": "slides to the right",
@@ -166,7 +172,7 @@ def phrase(value: Any) -> str:
     if isinstance(value, Text):
         return f"word {value.index}"
     if isinstance(value, str):
-        return _SO.get(value, value.replace("-", " "))
+        return _SO.get(value) or _TOPICS.get(value, value.replace("-", " "))
     if value.value is not None:
         return _number(value.value)
     word = value.word
@@ -251,9 +257,15 @@ def _fact(fact: Fact) -> str:
     }[fact.name]  # fmt: skip
 
 
-def is_plain(program: Program) -> bool:
-    """Tell whether all that is asked can be answered without a look at any motion."""
-    return all(type_of(head_of(answer)) == "talk" for answer in program.answers)
+def is_talk(program: Program) -> bool:
+    """Tell whether nothing is asked that an answer would claim anything of, nor refuse."""
+    return all(head_of(each).word in ("talk", "help", "not-understood") for each in program.answers)
+
+
+def is_refused(program: Program) -> bool:
+    """Tell whether all that is asked is what touch cannot tell."""
+    heads = {head_of(each).word for each in program.answers}
+    return heads == {"cannot"}
 
 
 DENIED = {"turn": "turn", "slide": "slide", "press": "press in or lift off"}

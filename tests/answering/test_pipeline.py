@@ -89,6 +89,21 @@ def test_only_a_sentence_says_how_a_question_was_taken(bundle):
     assert ask(answerer, "way turn").text.startswith("It turns")
 
 
+def test_a_doubtful_refusal_or_fact_of_the_file_is_announced_or_asked_back_too(bundle):
+    answerer = feeling(bundle, "clockwise")
+    refused = ask_read_as(answerer, ("cannot sound", 0.45), ("way turn", 0.1)).text
+    assert refused.startswith("Taken as: something that I cannot tell. I cannot hear")
+    rate = ask_read_as(answerer, ("file rate", 0.45)).text
+    assert rate.startswith("Taken as: the recording's frame rate. ")
+    alike = ask_read_as(answerer, ("cannot sound", 0.35), ("cannot look", 0.3))
+    assert (alike.understood, alike.text[:13]) == (pytest.approx(0.65), "I cannot hear")
+    close = ask_read_as(answerer, ("cannot sound", 0.4), ("way turn", 0.35)).text
+    assert close == "I am not sure what you ask; do you mean which way it turns?"
+    unlikely = ask_read_as(answerer, ("cannot sound", 0.1)).text
+    assert unlikely.startswith("I did not understand all of that")
+    assert ask_read_as(answerer, ("talk thanks", 0.1)).text == "You are welcome."
+
+
 def test_facts_that_turn_an_answer_have_to_be_understood(bundle):
     answerer = feeling(bundle, "clockwise")
     turned = ask_read_as(answerer, ("fact mirrored ; way turn", 0.65), ("way turn", 0.2))
