@@ -356,6 +356,7 @@ def _chosen(
         else:
             groups.append([place])
     chances = [sum(readings[place].chance for place in group) for group in groups]
+    chances = _of_open(reader, chances, [programs[group[0]] for group in groups], asked)
     best = max(range(len(groups)), key=chances.__getitem__)
     program = programs[groups[best][0]]
     written = readings[groups[best][0]].line
@@ -376,6 +377,29 @@ def _chosen(
         is_doubtful |= rival is None or set(rival.facts) != set(program.facts)
     rival = rival if is_close or program.facts else None
     return replace(understood, ask_back=_asked_back(program, rival)) if is_doubtful else understood
+
+
+def _of_open(
+    reader: Reader, chances: list[float], programs: Sequence[Program], asked: Asked | None
+) -> list[float]:
+    """Return the chances of readings without those of two recordings where one is open.
+
+    Those stay where one is surely meant, or no other is likely.
+    """
+    is_of_two = [_asks_of_two(each) and asked is not None and len(asked.clips) < 2
+                 for each in programs]  # fmt: skip
+    of_two = sum(chance for chance, is_so in zip(chances, is_of_two, strict=True) if is_so)
+    likeliest = max(range(len(chances)), key=chances.__getitem__)
+    is_sure = reader.calibrated(chances[likeliest]) >= UNDERSTOOD
+    if is_sure or not is_of_two[likeliest]:
+        return chances
+    rest = [0.0 if is_so else chance / (1 - of_two)
+            for chance, is_so in zip(chances, is_of_two, strict=True)]  # fmt: skip
+    return rest if reader.calibrated(max(rest)) >= UNLIKELY else chances
+
+
+def _asks_of_two(program: Program) -> bool:
+    return any(not OF_TWO.isdisjoint(each.word for each in answer) for answer in program.answers)
 
 
 def _resumed(program: Program, before: Program) -> Program:

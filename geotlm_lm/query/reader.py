@@ -356,7 +356,8 @@ class Reader:
             allowed = sorted(fitting(words, numbers, texts) & self.spelling.id_of.keys())
             ids = [self.spelling.id_of[word] for word in allowed]
             scores = log_softmax(self.decoder.logits(hidden))[ids]
-            if not begun.unlikely.isdisjoint(allowed):
+            # "mirrored" is a fact as well as a comparison of two.
+            if not begun.unlikely.isdisjoint(allowed) and "turned" not in allowed:
                 scores = _weighed(scores, [word in begun.unlikely for word in allowed])
             order = (-scores).argsort(kind="stable")
             best = int(order[0])

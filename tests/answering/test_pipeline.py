@@ -162,6 +162,22 @@ def test_a_reading_that_compares_a_thing_with_itself_is_none(bundle):
     assert ask_read_as(answerer, ("and cw cw", 0.6)).query == "and cw cw"  # for want of another
 
 
+def test_a_doubtful_reading_of_two_recordings_gives_way_where_one_is_open(bundle):
+    answerer, of_two = feeling(bundle, "clockwise"), "- of-first amount turn of-second amount turn"
+    other = ask_read_as(answerer, (of_two, 0.45), ("way turn", 0.2))
+    assert (other.query, other.understood) == ("way turn", pytest.approx(0.2 / 0.55))
+    assert other.text.startswith("Taken as: which way it turns. ")
+    for chances in ((0.6, 0.3), (0.45, 0.05)):
+        lines = zip((of_two, "way turn"), chances, strict=True)
+        assert ask_read_as(answerer, *lines).text.endswith(
+            "That takes two clips; give me another one to compare with."
+        )
+    encoded = answerer.encode(recording())
+    answerer.bundle.reader.lines[ASKED] = [(of_two, 0.45), ("way turn", 0.2)]
+    both = answerer.compare(encoded, answerer.encode(recording(seed=2)), ASKED)
+    assert both.resumed == read(of_two)
+
+
 def test_what_is_out_of_place_is_less_likely(bundle):
     reader = ScriptedReader()
     answerer = feeling(bundle, "clockwise")

@@ -7,6 +7,7 @@ import cv2
 import numpy as np
 import pytest
 
+from geotlm_lm.answering.understanding import OF_TWO
 from geotlm_lm.backbone import imprint
 from geotlm_lm.backbone.relief import Lights
 from geotlm_lm.backbone.stem import MAGNIFICATION_AT, measure_clip
@@ -49,6 +50,16 @@ def direction(answerer, clip, motion=None):
 def test_the_bundle_is_small():
     size = sum(path.stat().st_size for path in embedded_bundle_dir().rglob("*") if path.is_file())
     assert size < SIZE_LIMIT_MB * 1e6
+
+
+def test_a_mirror_that_is_stated_is_no_comparison_of_two_recordings(answerer):
+    read = answerer.bundle.reader.readings
+    (anywhere, *_), (inside, *_) = (
+        read("Mirrored. 60 fps. Which way did it turn?", unlikely=words)
+        for words in (frozenset(), OF_TWO)
+    )
+    assert anywhere.line == inside.line == "fact mirrored ; fact rate #1 ; way turn"
+    assert inside.chance > 0.9 * anywhere.chance
 
 
 def test_patch_tokens_carry_motion_smaller_than_a_patch(answerer, touches):
