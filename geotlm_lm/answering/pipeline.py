@@ -188,7 +188,8 @@ def _without_guesses(value: Value, understood: float) -> Value:
     """Return a value with nothing in the place of what is more likely wrong than right."""
     if isinstance(value, Record):
         fields = tuple((key, _without_guesses(each, understood)) for key, each in value.fields)
-        return replace(value, fields=fields)
+        events = value.shown if understood >= LEAST_SURE else ()
+        return replace(value, fields=fields, shown=events)
     is_unsure = value.is_known and (understood < LEAST_SURE or is_guess(value, understood))
     return Unknown(of=value.of, reason="unsure", edit=value.edit) if is_unsure else value
 

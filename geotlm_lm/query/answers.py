@@ -56,6 +56,7 @@ from geotlm_lm.query.values import (
     Placed,
     Record,
     Remark,
+    Shown,
     Times,
     Truth,
     Unknown,
@@ -304,6 +305,8 @@ def _when(expression: Expression, context: Context) -> Value:
 
 def _way(expression: Expression, context: Context) -> Value:
     inner, inside = _placed(expression, context)
+    if inside.event is not None and (inner.word != "way" or inner.arguments == ("all",)):
+        return _of_event(expression, inside)
     if inner.word == "story":
         value = moved(inside, ())
         return replace(value, of=expression, shown=story_of(inside))
@@ -317,6 +320,14 @@ def _way(expression: Expression, context: Context) -> Value:
     value = moved(inside, part)
     story = story_of(inside, part or COMPONENTS) if inner.word in ("way", "extent") else ()
     return replace(value, of=expression, shown=story)
+
+
+def _of_event(expression: Expression, context: Context) -> Value:
+    """Return what an event is, or how far it goes, whatever moves beside it."""
+    part, event = context.event.component, shown(context, context.event)
+    value = moved(context, () if part is None else (part,))
+    right = context.event.probability if part is None else value.probability
+    return replace(value, of=expression, shown=(event,), probability=right)
 
 
 def _label(expression: Expression, context: Context) -> Value:
@@ -364,6 +375,7 @@ def _record(expression: Expression, context: Context) -> Value:
     inner, inside = placed(expression, context)
     if inner.word not in ("record", "each-clip"):  # of those each part lacks what it lacks
         inner, inside = _placed(expression, context)
+    events_shown: tuple[Shown, ...] = ()
     if inner.word == "record":
         fields = [(each.key, answer(each.answer, inside)) for each in inner.arguments[0]]
     elif inner.word == "each-clip":
@@ -378,10 +390,14 @@ def _record(expression: Expression, context: Context) -> Value:
             right = (events.is_so == is_likely).all(axis=0).mean()
             return Times(of=expression, times_s=times, probability=float(right), edit=inside.view,
                          shown=tuple(shown(inside, each) for each in likely))  # fmt: skip
-        spans = (inside.within(*each.ends) for each in likely)
+        is_mixed = any(each.word.removesuffix(p.EVENTS) in p.MIXED for each in inner.arguments[0])
+        spans = (replace(inside.within(*each.ends), event=each if is_mixed else None)
+                 for each in likely)  # fmt: skip
         fields = [(None, answer(inner.arguments[1], span)) for span in spans]
+        events_shown = tuple(shown(inside, each) for each in likely if is_mixed)
     right = min((value.probability for _, value in fields), default=1.0)
-    return Record(of=expression, fields=tuple(fields), probability=right, edit=inside.view)
+    return Record(of=expression, fields=tuple(fields), probability=right, edit=inside.view,
+                  shown=events_shown)  # fmt: skip
 
 
 def _of_clip(inner: Expression, context: Context, word: str) -> Value:

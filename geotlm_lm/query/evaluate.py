@@ -138,6 +138,7 @@ class Context:
     # Whether what begins or ends contact counts as pressing in or lifting off: where that is asked,
     # and at every moment.
     has_edges: bool = False
+    event: Happening | None = None  # that is looked at, one of several kinds
     trace: Trace = field(default_factory=Trace)
 
     @property
@@ -191,7 +192,7 @@ class Context:
         changed = (
             replace(self.edit, sensor=MOVERS[word]) if is_mover else self.edit.then(Edit.of(word))
         )
-        edited = replace(self, edit=changed)
+        edited = replace(self, edit=changed, event=None)
         if self.begin is None or edited.view.backwards == self.view.backwards:
             return edited
         total = self.worlds.begin_s + self.worlds.end_s
@@ -215,7 +216,7 @@ class Context:
 
     def plain(self) -> Context:
         """Return the context without the views and spans that were asked for."""
-        return replace(self, edit=Edit(), begin=None, end=None, now=None)
+        return replace(self, edit=Edit(), begin=None, end=None, now=None, event=None)
 
     def within(self, begin: Floats, end: Floats) -> Context:
         """Return the context of a span.
@@ -226,7 +227,7 @@ class Context:
         worlds, begins, ends = self.worlds, np.asarray(begin), np.asarray(end)
         if np.min(begins) > worlds.end_s + 1e-9 or np.max(ends) < worlds.begin_s - 1e-9:
             raise Untold("span")
-        return replace(self, begin=begin, end=end, now=None)
+        return replace(self, begin=begin, end=end, now=None, event=None)
 
 
 _FRAME_FIELD = {"seen": "viewpoint", "moves": "actor", "thread": "thread", "side": "contact_side"}

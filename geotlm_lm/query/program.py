@@ -124,6 +124,9 @@ to the other, "still" a rest."""
 EVENTS = "-events"
 """Ends the word for all that happens of a kind: "cw-events"."""
 
+MIXED = ("move", "any", "slip", "reverse")
+"""Kinds of which what happens may be a turn as well as a slide."""
+
 ASKED = ("all", *COMPONENTS, "x", "y", "thread", "sign")
 PER = ("per-s", "per-ms", "per-min", "per-frame")
 

@@ -350,6 +350,8 @@ def _moved(teller: Teller, value: Moved) -> str:
 
 
 def _kind(teller: Teller, value: Moved) -> str:
+    if value.rest is not None and value.shown:  # of an event that is no motion
+        return f"a {value.shown[0].kind.value}"
     if value.rest is not None:
         rest = {Motion.STILL: "a still contact", Motion.NONE: "no contact"}[value.rest]
         return rest + " then" * value.is_brief

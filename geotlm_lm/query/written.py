@@ -133,6 +133,10 @@ def shortened(value: Value, form: str, teller: Teller) -> str | None:
     return word if form == "bare" else f"{word[:1].upper()}{word[1:]}."
 
 
+def _is_story(value: Value) -> bool:
+    return isinstance(value, Moved) and head_of(value.of).word == "story"
+
+
 def _is_unmoved(value: Value) -> bool:
     """Tell whether how far something goes came to nothing: it does not move."""
     return isinstance(value, Moved) and type_of(value.of) == "number"
@@ -184,6 +188,8 @@ def _motion(value: Moved) -> str | None:
         return "tightens" if value.tightens else "loosens"
     if head.arguments == ("thread",) and value.movements and not value.denied:
         return "tightens and loosens"
+    if head.word == "kind" and value.shown and not value.movements:
+        return value.shown[0].kind.value
     if head.word == "kind" and value.movements:
         return " and ".join(KIND_WORDS[move.component] for move in value.movements)
     if head.word == "extent" and value.movements:
@@ -219,7 +225,7 @@ def plain(value: Value, teller: Teller) -> Any:
         return [plain(each, teller) for _, each in value.fields]
     if isinstance(value, Placed):
         return {name: round(getattr(value, name), 3) for name in ("across", "down", "share")}
-    if isinstance(value, Moved) and head_of(value.of).word == "story":
+    if _is_story(value):
         return [_event(each) for each in value.shown]
     if isinstance(value, Moved) and head_of(value.of).word == "sure":
         return round(value.probability, 3)
@@ -246,7 +252,7 @@ def _fields(values: Sequence[Value]) -> list[tuple[str | None, Value]]:
 def as_json(values: Sequence[Value], teller: Teller, sure: float) -> Any:
     """Return values as plain JSON: under the keys of a template where one was given."""
     if not isinstance(values[0], Moved) and (rows := _rows(values)):
-        return [{key: plain(each, teller) for key, each in row.items()} for row in rows]
+        return [{key: _plain_cell(each, teller) for key, each in row.items()} for row in rows]
     fields = _fields(values)
     if fields and all(key for key, _ in fields):
         return {key: plain(value, teller) for key, value in fields}
@@ -279,20 +285,30 @@ def _rows(values: Sequence[Value]) -> list[dict[str, Any]]:
     if len(values) != 1:
         return []
     (value,) = values
-    if isinstance(value, Moved) and head_of(value.of).word == "story":
+    if _is_story(value):
         return [dict.fromkeys(("kind", "way", "begin_s", "end_s", "value", "unit")) | _event(each)
                 for each in value.shown]  # fmt: skip
     parts = [each for _, each in value.fields] if isinstance(value, Record) else []
     if not parts or not all(isinstance(each, Record) for each in parts):
         return []
-    return [{key or name_of(each): each for key, each in part.fields} for part in parts]
+    rows = [{key or name_of(each): each for key, each in part.fields} for part in parts]
+    has_keys = any(key for part in parts for key, _ in part.fields)
+    if has_keys or not value.shown or "events" in rows[0]:
+        return rows
+    # What is of several kinds is told with its own.
+    named = ({"kind": each.kind.value, "way": _way_of(each)} for each in value.shown)
+    return [each | {key: cell for key, cell in row.items() if key not in each}
+            for each, row in zip(named, rows, strict=True)]  # fmt: skip
+
+
+def _way_of(shown: Shown) -> str | None:
+    return shown.way.value if shown.kind in MOVING else None
 
 
 def _template(values: Sequence[Value], form: str, teller: Teller) -> str:
     is_parted = form in (*_PARTED, "markdown")
     if is_parted and (rows := _rows(values)):
-        cells = [[_cell(each, teller) if isinstance(each, Value) else each
-                  for each in row.values()] for row in rows]  # fmt: skip
+        cells = [[_cell(each, teller) for each in row.values()] for row in rows]
         return _parted([[*rows[0]], *cells], form)
     fields = _fields(values)
     words = [_cell(value, teller) for _, value in fields]
@@ -321,7 +337,15 @@ def _parted(rows: Sequence[Sequence[Any]], form: str) -> str:
     return text.getvalue().rstrip("\n")
 
 
-def _cell(value: Value, teller: Teller) -> str:
+def _plain_cell(cell: Any, teller: Teller) -> Any:
+    return plain(cell, teller) if isinstance(cell, Value) else cell
+
+
+def _cell(value: Any, teller: Teller) -> Any:
+    if not isinstance(value, Value):
+        return value
+    if _is_story(value):
+        return "; ".join(f"{each.kind.value} {_way_of(each) or ''}".strip() for each in value.shown)
     cell = plain(value, teller)
     if cell is None:
         return ""
@@ -334,20 +358,26 @@ def _cell(value: Value, teller: Teller) -> str:
     return f"{cell:.10g}" if isinstance(cell, float | int) else str(cell)
 
 
+def _line_part(part: Any, teller: Teller) -> str:
+    if isinstance(part, Value) and not _is_story(part):
+        return decided(part, teller) or ""
+    return _cell(part, teller) or ""
+
+
 def _listed(values: Sequence[Value], form: str, teller: Teller) -> Wording:
     """Return values, a record's or a story's parts, each on a line of its own."""
     lines: list[list[str]] = []
     for value in values:
-        if isinstance(value, Moved) and head_of(value.of).word == "story" and value.shown:
+        if _is_story(value) and value.shown:
             for each in value.shown:
                 far = "" if each.amount is None else amount_phrase(each.amount)
                 way = way_phrase(each) if each.kind in MOVING else ""
                 lines.append([teller.span((each.begin_s, each.end_s)), each.kind.value, way, far])
         elif isinstance(value, Record) and _rows([value]):
-            lines += [[decided(each, teller) or "" for each in row.values()]
+            lines += [[_line_part(each, teller) for each in row.values()]
                       for row in _rows([value])]  # fmt: skip
         elif isinstance(value, Record):
-            lines += [[key or "", decided(each, teller) or ""] for key, each in value.fields]
+            lines += [[key or "", _line_part(each, teller)] for key, each in value.fields]
         else:
             lines.append([teller.tell(value).text])
     if form == "table":

@@ -23,6 +23,7 @@ from tests.query.programs import (
     of_track,
     pairs,
     there_and_back,
+    turned_and_slid,
 )
 from tests.query.strategies import turning
 from tests.track.tracks import happened, moving_track, track_of_events
@@ -67,6 +68,8 @@ def told(line, *clips, texts=(), frame=FRAME):
      "begin_s,turn_deg\n1,40\n2,15\n3,40"),
     ("each turn-events record begin here , amount turn end ; as table",
      "1.0 s | 40 deg\n2.0 s | 15 deg\n3.0 s | 40 deg"),
+    ("each move-events record begin here , end here end ; as csv",
+     "kind,way,begin_s,end_s\nturn,clockwise,1,2\nturn,counterclockwise,2,3\nturn,clockwise,3,4"),
     ("choose pass turn | fail other ; as bare", "pass"),
     ("turn ; as true-false", "True"),
     ("record turn , slide end ; as true-false", "True, False"),
@@ -93,6 +96,24 @@ def test_a_label_of_digits_stays_as_it_is_written():
     assert told(f"{line}json", texts=("code", "01", "10")) == '{"code": "01"}'
     assert told(f"{line}json", texts=("code", "1", "0")) == '{"code": 1}'
     assert told(f"{line}pairs", texts=("code", "01", "10")) == "code=01"
+
+
+def test_of_several_kinds_each_event_is_told_as_what_it_is():
+    clip = turned_and_slid()
+    assert told("each any-events kind ; as csv", clip) == "touch,stick,rotation,slide,release"
+    assert told("each move-events extent", clip) == (
+        "It turns clockwise, about 20 degrees, in the camera image; it slides left, about 43 px."
+    )
+    assert told("each any-events record begin here , story end ; as table", clip) == (
+        "0.0 s | touch\n0.0 s | stick\n1.0 s | turn clockwise\n2.0 s | slide left\n3.0 s | release"
+    )
+    line = "backwards each move-events record kind , begin here end ; as "
+    assert told(f"{line}markdown", clip).splitlines()[2:] == [
+        "| slide | right | 1 |", "| turn | counterclockwise | 2 |",
+    ]  # fmt: skip
+    assert json.loads(told(f"{line}json", clip))[0]["way"] == "right"
+    line = "each move-events record @1 begin here end ; as csv"
+    assert told(line, clip, texts=("start",)) == "start\n1\n2"
 
 
 def test_what_goes_both_ways_is_told_both_ways():
