@@ -135,7 +135,8 @@ class Answer:
         point_of_view: That was named last, in words; None where none was.
         question: As it was typed.
         written: The program as the model wrote it, numbers and copied words as slots.
-        withheld: The sentence, with its reason, of which a form of values alone says "unknown".
+        withheld: The sentence, with its reason, where a form that programs read leaves something
+            out.
         is_own: What tells whether the language model says the same word for word.
     """
 

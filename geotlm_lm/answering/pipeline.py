@@ -148,7 +148,7 @@ def _told(asked: Asked, understood: Understood, plain: Answer) -> Answer:
     is_abstained = words.guesses[0] or sure < LEAST_SURE or not first.is_known
     is_abstained |= any(getattr(each, "kind", "") in SILENT for each in values)
     encoded = looked_at(first, asked.clips)[-1]
-    withheld = _withheld(asked, understood, values)
+    withheld = _withheld(asked, understood)
     return replace(
         plain,
         text=text,
@@ -194,11 +194,11 @@ def _without_guesses(value: Value, understood: float) -> Value:
     return Unknown(of=value.of, reason="unsure", edit=value.edit) if is_unsure else value
 
 
-def _withheld(asked: Asked, understood: Understood, values: Sequence[Value]) -> tuple[str, ...]:
-    """Return the sentence with the reason why a form of values alone says "unknown"."""
+def _withheld(asked: Asked, understood: Understood) -> tuple[str, ...]:
+    """Return the sentence with the reason of what a form that programs read leaves out."""
     chance, program = understood.probability, replace(understood.program, form="sentence")
-    is_whole = all(_is_whole(_without_guesses(each, chance)) for each in values)
-    if understood.program.form not in BARE or is_whole:
+    values = (_without_guesses(each, chance) for each in asked.values(understood.program))
+    if understood.program.form not in (*TEMPLATES, *BARE) or all(map(_is_whole, values)):
         return ()
     words = worded_values(asked, program, chance)
     return (_framed(words.wording.text, replace(understood, program=program), words),)

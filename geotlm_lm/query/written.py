@@ -102,7 +102,9 @@ def guessed(text: str, chance: float) -> str:
     """Return an answer as the guess that it is; one that is no more than possible is not given."""
     if chance < LEAST_GUESS:
         return "I cannot tell for sure, nor is any answer likely."
-    return f"I cannot tell for sure, {chance:.0%}: {text[:1].lower()}{text[1:]}"
+    if not text[:2].isupper():  # such as an own label, GO
+        text = f"{text[:1].lower()}{text[1:]}"
+    return f"I cannot tell for sure, {chance:.0%}: {text}"
 
 
 def shortened(value: Value, form: str, teller: Teller) -> str | None:

@@ -83,7 +83,10 @@ def test_only_a_sentence_says_how_a_question_was_taken(bundle):
     answerer = feeling(bundle, "clockwise", understood=0.45)
     assert ask(answerer, "way turn").text.startswith("Taken as: which way it turns. ")
     assert ask(answerer, "way turn ; as brief").text == "I cannot tell for sure, 44%: clockwise."
-    assert json.loads(ask(answerer, "turn ; as json").text)["turn"] is None
+    empty = ask(answerer, "turn ; as json")
+    assert json.loads(empty.text)["turn"] is None
+    assert empty.withheld[0].startswith("Taken as: whether it turns. Yes")
+    assert empty.withheld[0] in empty.notes
     answerer = feeling(bundle, "clockwise", understood=0.6)
     assert json.loads(ask(answerer, "turn ; as json").text)["turn"] is True
     assert ask(answerer, "way turn").text.startswith("It turns")

@@ -292,6 +292,7 @@ def test_it_is_said_which_amounts_of_two_recordings_are_compared():
 
 def test_what_is_unlikely_is_no_guess():
     assert guessed("It turns.", 0.4) == "I cannot tell for sure, 40%: it turns."
+    assert guessed("GO.", 0.4) == "I cannot tell for sure, 40%: GO."
     assert "turns" not in guessed("It turns.", 0.001)
 
 
