@@ -29,7 +29,7 @@ from geotlm_lm.query.program import (
 from geotlm_lm.query.reader import MISSING
 from geotlm_lm.query.stories import MOST_TOLD, most
 from geotlm_lm.query.telling import Teller
-from geotlm_lm.query.values import Amount, Record, Times, Value
+from geotlm_lm.query.values import Amount, Record, Times, Unknown, Value
 
 Regions = Mapping[str, Mapping[str, float]]
 """Shear change (x right, y down, unitless) and contact mass of each of the seven regions."""
@@ -192,8 +192,17 @@ def _span_text(span: Expression, evidence: Evidence, teller: Teller) -> str:
     """Return "the first turn, from 1.2 to 3.4 s"; "" where that is not known."""
     ends = (_placed_end(span, end) for end in ("begin", "end"))
     values = answers(Program(tuple(ends)), (evidence,), teller.frame)
-    times = [time for each in values if isinstance(each, Times) for time in each.times_s]
-    return f"{phrase(head_of(span))}, {teller.span((times[0], times[1]))}" if times[1:] else ""
+    begin, end = map(_moment, values)
+    if begin is None or end is None:
+        return ""
+    return f"{phrase(head_of(span))}, {teller.span((begin, end))}"
+
+
+def _moment(value: Value) -> float | None:
+    """Return a time; of a contact that begins or ends outside, from or up to when it is seen."""
+    if isinstance(value, Times):
+        return value.times_s[0] if value.times_s else None
+    return value.at_s if isinstance(value, Unknown) else None
 
 
 def _placed_end(span: Expression, end: str) -> Expression:
