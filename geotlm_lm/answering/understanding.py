@@ -235,6 +235,10 @@ OF_TWO = frozenset({*TWO_CLIPS, "of-first", "of-second", "of-previous"})
 OF_BEFORE = frozenset({*LEANING, "again", "plain"})
 """Words of programs that are out of place where one recording is open, or nothing was asked."""
 
+NAMELESS = 0.5
+"""What a reading counts that names none of two open recordings, beside one that does: "the first
+one" is a recording as often as a turn."""
+
 MOST_OFFERED = 30
 """Words of what was understood beyond which nobody would read it: what is asked back is short."""
 
@@ -302,6 +306,8 @@ def understand(
         unlikely |= OF_BEFORE
     read = partial(_of_condition, reader) if is_condition else reader.readings
     readings = read(question, unlikely=unlikely)
+    if asked is not None and len(asked.clips) > 1:
+        readings = _naming_first(readings)
     understood = _chosen(reader, readings, before or Program(), asked)
     took = 1e3 * (time.perf_counter() - started)
     return replace(understood, milliseconds=took, question=question)
@@ -396,6 +402,19 @@ def _of_open(
     rest = [0.0 if is_so else chance / (1 - of_two)
             for chance, is_so in zip(chances, is_of_two, strict=True)]  # fmt: skip
     return rest if reader.calibrated(max(rest)) >= UNLIKELY else chances
+
+
+def _naming_first(readings: Sequence[Reading]) -> Sequence[Reading]:
+    """Return readings of two recordings, those that name none of them less likely."""
+    weights = [1.0 if _asks_of_two(each.program) else NAMELESS for each in readings]
+    if max(weights) == min(weights):
+        return readings
+    chances = [weight * each.chance for weight, each in zip(weights, readings, strict=True)]
+    scale = sum(each.chance for each in readings) / sum(chances)
+    weighed = (
+        replace(each, chance=scale * chance) for each, chance in zip(readings, chances, strict=True)
+    )
+    return sorted(weighed, key=lambda each: -each.chance)
 
 
 def _asks_of_two(program: Program) -> bool:

@@ -421,3 +421,13 @@ def test_two_clips_are_compared(bundle):
     assert answerer.compare(first, second, "of-second way turn").decided == "clockwise"
     which = answerer.compare(first, second, "which-clip ccw")
     assert (which.decided, which.relation) == ("neither", "same")
+
+
+def test_of_two_recordings_one_that_is_named_is_asked_about_first(bundle):
+    answerer = feeling(bundle, "clockwise")
+    of_event, of_clip = "within first turn-events amount turn", "of-first amount turn"
+    encoded, other = (answerer.encode(recording(seed=seed)) for seed in (1, 2))
+    answerer.bundle.reader.lines[ASKED] = [(of_event, 0.5), (of_clip, 0.4)]
+    assert answerer.compare(encoded, other, ASKED).resumed == read(of_clip)
+    answerer.bundle.reader.lines[ASKED] = [(of_event, 0.85), (of_clip, 0.1)]
+    assert answerer.compare(encoded, other, ASKED).resumed == read(of_event)
