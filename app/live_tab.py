@@ -82,6 +82,8 @@ NO_GEL_YET = (
 )
 WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
+TOO_FEW = "Too few frames were seen so far; ask again in a moment."
+
 UNASKED: Filled = {"chat": exchanges(None), "framed": "", COMPLAINT: ""}
 
 NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
@@ -212,13 +214,19 @@ class LiveStream:
                 self._moment = verdict.time_s, verdict.text
         if self.is_camera:
             self._stuck.after(frame, time_s)
-        if self.count % self._apart == 0:
-            self._kept.append((number, frame))
-            if len(self._kept) > LEAST_KEPT and len(self._kept) * frame.nbytes > KEPT_BYTES:
-                self._kept, self._apart = self._kept[::2], 2 * self._apart
+        self._keep(number, frame)
         self.count += 1
         self._now_s = time_s
         return events
+
+    def _keep(self, number: int, frame: Image) -> None:
+        """Keep a frame for questions: of those before the newest handful every so many stay."""
+        self._kept.append((number, frame))
+        if (self.count - LEAST_FRAMES) % self._apart:
+            del self._kept[-LEAST_FRAMES - 1 : -LEAST_FRAMES]
+        if len(self._kept) > LEAST_KEPT and len(self._kept) * frame.nbytes > KEPT_BYTES:
+            newest, self._apart = self._kept[-LEAST_FRAMES:], 2 * self._apart
+            self._kept = self._kept[:-LEAST_FRAMES][::2] + newest
 
     def wait_for(self, condition: Any) -> None:
         """Mark the moment at which a condition first holds, in what was seen by now or from now on.
@@ -290,13 +298,15 @@ class LiveStream:
         if self.count and self._tracker.idle is None:
             raise lm.GeoTLMError(NO_GEL_YET)
         track = self._tracker.so_far if self.is_over else self._tracker.now()
-        kept = [item for item in self._kept if len(track) and item[0] <= track.numbers[-1]]
+        numbers = track.numbers.tolist()
+        kept = [item for item in self._kept if numbers and numbers[0] <= item[0] <= numbers[-1]]
         if len(kept) < LEAST_FRAMES:
-            raise lm.GeoTLMError(WATCH_FIRST)
-        if is_now:
-            last = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
-            kept = [item for item in kept if item[0] >= last[0]][-len(last) :]
-            track = track.between(int(last[0]), int(last[-1]))
+            raise lm.GeoTLMError(TOO_FEW)
+        if is_now:  # at least two frames that are kept and were followed, however slow the camera
+            recent = track.numbers[track.times_s >= track.times_s[-1] - NOW_S]
+            begin = min(int(recent[0]), numbers[-2], kept[-2][0])
+            kept = [item for item in kept if item[0] >= begin]
+            track = track.between(begin, numbers[-1])
         seen = int(track.numbers[-1]), self.is_over, is_now  # its end cuts off the last events
         if self._shown is not None and self._shown[0] == seen:
             return self._shown[1]

@@ -247,6 +247,28 @@ def test_what_happens_now_is_told_of_the_last_moments(tmp_path, clock):
     assert watched.stream.shown().encoded.track.times_s[0] == 0
 
 
+@pytest.mark.parametrize("step_s", [0.04, 0.1, 0.3, 1.0])
+def test_what_happens_now_is_told_however_slow_the_camera_and_few_the_frames_kept(
+    monkeypatch, step_s
+):
+    ticks = iter(1e6 + step_s * number for number in range(1000))
+    monkeypatch.setattr(live, "time", SimpleNamespace(monotonic=lambda: next(ticks)))
+    monkeypatch.setattr(live, "KEPT_BYTES", 0)
+    watched, frames = LiveSession(), there_and_back().frames
+    followed(frames[:2], watched)
+    with pytest.raises(GeoTLMError):  # one sentence
+        watched.stream.shown(is_now=True)
+    for begin in range(2, 102):
+        followed(frames[begin : begin + 1], watched)
+        if begin > 30:
+            shown = watched.stream.shown(is_now=True)
+            assert len(shown.encoded.clip) >= 2
+            assert shown.encoded.clip.frame_numbers[-1] == begin
+            numbers = [number for number, _ in watched.stream._kept]
+            assert numbers == sorted(set(numbers))
+            assert numbers[-5:] == list(range(begin - 4, begin + 1))
+
+
 @pytest.mark.parametrize(
     ("question", "of_all"),
     [
