@@ -27,8 +27,8 @@ from .sessions import remove_seen
 from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, on, sent
 
 INVITES = (
-    "Start the camera, or drop a recording here. Leave the gel untouched for the first half "
-    "second: that is when its idle image is learnt."
+    "Start the camera: allow it, then press Record, which only watches. Or drop a recording here. "
+    "Leave the gel untouched for the first half second: that is when its idle image is learnt."
 )
 
 UNWATCHED = "Start a camera or a recording: questions are answered from what was seen by then."
