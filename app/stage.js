@@ -154,7 +154,6 @@ async function showStream(value) {
   showLayers();
   go(isFollowing ? images.length - 1 : nearest(data.x, place));
   shownAsPlaying();
-  element.querySelector(".stage").dataset.shown = "all";
   clearTimeout(stale);
   if (data.live) stale = setTimeout(() => endLive(value.stream), STALE_MS);
   else if (isFollowing) rest();
@@ -164,12 +163,13 @@ function endLive(stream) {
   if (!data || data.stream !== stream) return;
   const isStopped = performance.now() - cameraClicked < 1.5 * STALE_MS; // by hand
   data = { ...data, live: false, notes: isStopped ? data.notes : [SILENT, ...data.notes] };
+  part("condition").textContent = data.condition.replace(/^Waiting for this:/, "Did not hold so far:");
   title();
   shownAsPlaying();
 }
 
 function title() {
-  element.querySelector(".stage").dataset.shown = data ? "" : "nothing";
+  element.querySelector(".stage").dataset.shown = !data ? "nothing" : data.stream ? "all" : "";
   part("empty").hidden = Boolean(data);
   part("name").textContent = data ? data.name : "";
   part("about").textContent = data ? data.about : "";

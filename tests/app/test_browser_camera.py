@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app import live_tab, sessions
-from tests.app.browser import STAGE, TEXT
+from tests.app.browser import NOTHING_SHOWN, STAGE, TEXT
 
 pytestmark = pytest.mark.slow
 
@@ -87,11 +87,20 @@ def test_a_camera_that_stalls_is_told(browser):
     assert browser.run(f"{STAGE}.querySelector('[data-part=live]').hidden")
 
 
-def test_a_camera_that_is_stopped_by_hand_is_not_called_stalled(browser):
+def test_a_camera_that_is_stopped_by_hand_is_not_called_stalled_and_can_be_cleared(browser):
+    browser.click("Live", "button[role=tab]")
+    assert "press Record" in browser.run(f"{STAGE}.innerText")
+    browser.fill("Mark the moment", "it has turned 300 degrees")
+    browser.click("Mark")
     start_camera(browser)
+    browser.wait_for(f"{TEXT}.includes('Waiting for this: it turns by more than 300 degrees')")
     browser.click("Stop", ".live-camera button")
     browser.wait_for(f"{STAGE}.querySelector('[data-part=live]').hidden", seconds=30)
     assert "No picture has come" not in browser.run(TEXT)
+    assert "Waiting for this" not in browser.run(TEXT)
+    assert "Did not hold so far: it turns by more than 300 degrees" in browser.run(TEXT)
+    browser.click("Stop and clear")
+    browser.wait_for(f"{NOTHING_SHOWN} && !{TEXT}.includes('Did not hold')")
 
 
 def files_in(page):
