@@ -12,6 +12,7 @@ pytestmark = pytest.mark.slow
 
 TOLD = f"({STAGE}.querySelector('.stage-time').getAttribute('aria-label') || '')"
 CHECKED = "[...document.querySelectorAll('input[type=checkbox]:checked')].map(box => box.name)"
+COMPARE = f"Boolean({STAGE}.querySelector('[data-event=expand]').offsetParent)"
 NONE_OPEN = f"{TEXT}.includes('No recording is open; open one first.')"
 
 
@@ -236,6 +237,7 @@ def test_of_a_recording_that_is_stopped_the_part_before_answers_what_waits(
         patch.setattr(fake, "encode", slow)
         browser.upload("Recording", long_recording)
         browser.wait_for(f"/tracking, [0-9]+%/.test({STAGE}.innerText)", seconds=15)
+        assert not browser.run(COMPARE)
         browser.fill("Question", "Which way does it go?")
         browser.click("Ask", "button.primary")
         browser.wait_for(f"{CHAT}.innerText.includes('(waiting until the recording is read)')")
@@ -243,4 +245,5 @@ def test_of_a_recording_that_is_stopped_the_part_before_answers_what_waits(
         browser.wait_for(f"{SHOWN} && /Stopped at [0-9.]+ s of 56.4 s/.test({STAGE}.innerText)")
         browser.wait_for(f"{CHAT}.innerText.includes('% sure')")
     assert "waiting" not in browser.run(f"{CHAT}.innerText")
+    assert browser.run(COMPARE)
     browser.open_example("cable")
