@@ -18,7 +18,7 @@ from .guards import QUESTION_CHARACTERS
 from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, html, on
 from .turns import SessionInTurns
 
-EMPTY = "Ask how the touched object moves, in plain English, once a recording is open."
+EMPTY = "Ask how the touched object moves, in plain English."
 
 MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
 CLOCKWISE = "image is turned 90° clockwise"
