@@ -25,7 +25,15 @@ from geotlm_lm.core.errors import TopicNeeded
 
 from . import clips, conversation, stage
 from .clips import LoadedClip
-from .conversation import Talking, exchanges, in_frame, nothing_asked, offered, suggested
+from .conversation import (
+    Talking,
+    exchanges,
+    in_frame,
+    nothing_asked,
+    offered,
+    suggested,
+    unanswered,
+)
 from .guards import QUESTION_CHARACTERS, TOPIC_CHARACTERS
 from .sources import FIRST, Source, examples
 from .toolkit import MODEL, QUIET, Filled, html, on
@@ -114,8 +122,9 @@ def _details() -> dict[str, Any]:
 
 
 def _connect(parts: dict[str, Any], opens: Opening, page: Any) -> None:
-    before = ("frame", "mm_per_px", "shown")
+    before = ("frame", "mm_per_px", "shown", "reading")
     at_stage, files = {**QUIET, **MODEL}, parts["files"]
+    each = {**at_stage, "trigger_mode": "multiple"}
 
     def open_example(event: gr.EventData, *now: Any) -> Iterator[Filled]:
         yield from opens.example(str(event._data.get("example")), *now)
@@ -127,13 +136,14 @@ def _connect(parts: dict[str, Any], opens: Opening, page: Any) -> None:
         yield from opens.visit(request.query_params)
 
     changed = (files.upload, files.clear, files.delete)
-    on(parts, changed, opens.upload, ("files", *before), OPENED, **at_stage)
-    on(parts, [parts["examples"].click], open_example, before, OPENED, **at_stage)
+    chosen, closing = parts["examples"].click, parts["stage_second"].collapse
+    on(parts, (*changed, chosen, closing), opens.replace, ["reading"], queue=False, **QUIET)
+    on(parts, changed, opens.upload, ("files", *before), OPENED, **each)
+    on(parts, [chosen], open_example, before, OPENED, **each)
     spanned = ("source", "first", "last_frame", "topic", *before)
     on(parts, [parts["read"].click], opens.read_again, spanned, OPENED, **at_stage)
     compares = ("stage_second", "shown")
     on(parts, [parts["stage"].expand], opens.compare, ["shown"], compares, queue=False)
-    closing = parts["stage_second"].collapse
     on(parts, [closing], opens.close_second, ["shown"], OPENED, **at_stage)
     on(parts, [page.load], visit, (), (*OPENED, "question", "frame"), **at_stage)
     stopped = (parts["stage"].stop, parts["stage_second"].stop)
@@ -191,6 +201,7 @@ class Opening:
         facts: list[str],
         size: float | None = None,
         shown: Any = None,
+        left: clips.Reading | None = None,
     ) -> Iterator[Filled]:
         """Open what was uploaded last; close everything where all was taken away."""
         given = clips.latest_upload(paths)
@@ -198,7 +209,7 @@ class Opening:
             yield page_of(None, facts, size if shown is None else None)
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        for values in self._open(source, facts, size, shown, may_be_second=True):
+        for values in self._open(source, facts, size, shown, left, may_be_second=True):
             if values.get("files") == paths:  # stand there, and would be read to be told apart
                 del values["files"]
             yield values
@@ -220,9 +231,15 @@ class Opening:
             reading.stop.set()
         yield {}
 
+    def replace(self, reading: clips.Reading | None) -> Iterator[Filled]:
+        """Leave the recording that is being read, as another is to be opened or closed."""
+        if reading is not None:
+            reading.is_replaced = True
+        yield from self.stop(reading)
+
     def close_second(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Go back to one recording; its conversation goes on."""
-        values: Filled = {"stage_second": {}}
+        values: Filled = {"stage_second": {}, "reading": None}
         if shown is not None:
             shown = replace(clips.compared(shown, None), is_paired=False)
             values |= stage.stages_of(shown) | {"shown": shown}
@@ -273,17 +290,20 @@ class Opening:
         facts: list[str],
         mm_per_px: float | None = None,
         before: LoadedClip | None = None,
+        left: clips.Reading | None = None,
         *,
         may_be_second: bool = False,
     ) -> Iterator[Filled]:
         """Show a recording before the model has looked at it, the progress, and the result.
 
         What was open before is closed first: it must not answer for this one. It is open again
-        where this one cannot be read, unless only the topic of a bag is missing.
+        where this one cannot be read, unless only the topic of a bag is missing. What was asked of
+        a recording that was left for this one stays, as not answered.
         """
         is_second = may_be_second and before is not None and before.is_paired
         size = mm_per_px if before is None else None  # it goes with the clip that it was of
-        closed = {} if is_second else page_of(None, facts, size, source)
+        lost = unanswered(before.session if is_second else None, left)
+        closed = ({} if is_second else page_of(None, facts, size, source)) | lost
         name, reading = "stage_second" if is_second else "stage", clips.Reading()
         try:
             recording = clips.read_named(source.path, source.topic)
@@ -300,13 +320,15 @@ class Opening:
                 return reading.stop.is_set()
 
             shown = yield from reported(partial(self._perceive, source, recording, follow), show)
+            if reading.is_replaced:
+                return
             if is_second:
                 both = clips.compared(before, shown)
                 values = {"shown": both, "chips": suggested(both), "reading": None}
                 values["mm_per_px"] = both.session.frame.mm_per_px or 0
                 yield stage.stages_of(both) | values
             else:
-                yield _opened(shown, facts, mm_per_px, before)
+                yield _opened(shown, facts, mm_per_px, before) | lost
         except Exception as error:
             is_half_open = isinstance(error, TopicNeeded) and not is_second
             kept = closed if is_half_open else self._kept(facts, mm_per_px, before)

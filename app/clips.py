@@ -45,6 +45,7 @@ class Reading:
 
     stop: Event = field(default_factory=Event)
     questions: list[str] = field(default_factory=list)
+    is_replaced: bool = False  # by another, or by none: what waits for it is not answered
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,8 @@ from .turns import SessionInTurns
 
 EMPTY = "Ask how the touched object moves, in plain English."
 
+REPLACED = "Not answered: another recording was opened."
+
 MIRRORED, UPSIDE_DOWN = "image is mirrored", "image is upside down"
 CLOCKWISE = "image is turned 90° clockwise"
 COUNTERCLOCKWISE = "image is turned 90° counterclockwise"
@@ -150,6 +152,15 @@ def exchanges(session: Any, pending: str | None = None) -> dict[str, Any]:
     }
 
 
+def unanswered(session: Any, reading: Reading | None) -> Filled:
+    """Return the conversation with what waited in vain for a recording; nothing where none did."""
+    if reading is None or not (reading.is_replaced and reading.questions):
+        return {}
+    lost = [{"question": each, "answer": REPLACED} for each in reading.questions]
+    chat = exchanges(session)
+    return {"chat": chat | {"exchanges": chat["exchanges"] + lost}}
+
+
 def _sure(answer: Any) -> int | None:
     """Return how sure an answer is, percent; None where its words tell, or nothing is claimed."""
     if answer.abstained or answer.kind in ("talk", "fact"):
@@ -188,9 +199,11 @@ class Talking:
         shown: LoadedClip | None,
         facts: list[str],
         mm_per_px: float | None,
+        reading: Reading | None = None,
     ) -> Iterator[Filled]:
         """Answer the next question of the conversation, or take a fact about the recording."""
-        if not question:  # the second of two clicks
+        is_lost = reading is not None and reading.is_replaced and question in reading.questions
+        if not question or is_lost:  # the second of two clicks, or of a recording that was left
             return
         if shown is None:
             raise lm.GeoTLMError("No recording is open; open one first.")
@@ -442,13 +455,14 @@ def frame_of_reference() -> dict[str, Any]:
 def connect(parts: dict[str, Any], talking: Talking, about: str, answered: Sequence[str]) -> None:
     """Connect the conversation about what a part holds, and the facts beside it."""
     beside, chat, size = (about, "frame", "mm_per_px"), parts["chat"], parts["mm_per_px"]
+    asked = ("question", *beside, *(["reading"] if "reading" in parts else []))
     options = {"show_progress_on": [parts["chips"]], **MODEL}
 
     def ask(*triggers: Any) -> list[Any]:
         if "reading" in parts:
             waited = ("question", "reading", about)
             on(parts, triggers, talking.wait, waited, ["chat"], queue=False)
-        return on(parts, triggers, talking.ask, ("question", *beside), answered, **options)
+        return on(parts, triggers, talking.ask, asked, answered, **options)
 
     def take(event: gr.EventData) -> Iterator[Filled]:
         yield {"question": str(event._data.get("text", ""))[:QUESTION_CHARACTERS]}

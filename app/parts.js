@@ -55,7 +55,7 @@ function exchange({ question, answer, sure }) {
     return block;
   }
   const told = withMoments(answer);
-  if (sure !== null) {
+  if (sure != null) {
     const mark = made("span", "sure", `${sure} % sure`);
     mark.title = SURE;
     mark.style.setProperty("--sure", `${sure}%`);
@@ -82,7 +82,8 @@ const parts = {
     return () => {
       const { exchanges = [], pending } = props.value || {};
       const all = [...exchanges.map(exchange), ...(pending ? [exchange({ question: pending })] : [])];
-      if (exchanges.length && !pending) all[all.length - 1].append(button("Retry", () => trigger("retry")));
+      const last = exchanges[exchanges.length - 1];
+      if (last && last.sure !== undefined && !pending) all[all.length - 1].append(button("Retry", () => trigger("retry")));
       list.replaceChildren(...(all.length ? all : [made("p", "empty-talk", empty)]));
       clear.hidden = !all.length;
       list.scrollTop = list.scrollHeight;

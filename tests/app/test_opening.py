@@ -15,10 +15,10 @@ import pytest
 
 from app.ask_tab import Opening, saved
 from app.clips import Reading, Source, perceive
-from app.conversation import EMPTY, Talking, offered
+from app.conversation import EMPTY, REPLACED, Talking, offered
 from app.sources import EXAMPLE_FOLDER as FOLDER
 from app.sources import FIRST, RECORDING_FOLDER, examples
-from geotlm_lm import GeoTLMError, Motion, read_clip
+from geotlm_lm import Clip, GeoTLMError, Motion, read_clip
 from geotlm_lm.cli.main import main
 from tests.app.fakes import FakeAnswerer
 from tests.app.test_stage import clip_of, tracked  # noqa: F401
@@ -273,6 +273,29 @@ def test_a_question_waits_until_the_recording_is_read(recordings, broken):
     assert waits["chat"]["pending"] == f"{question} (waiting until the recording is read)"
     assert list(talking.wait(question, None, opened["shown"])) == [{}]
     assert list(talking.wait("", reading, None)) == [{}]
+
+
+def test_another_recording_that_is_opened_leaves_the_one_that_is_being_read(
+    long_recording, recordings, frames
+):
+    talking = Talking(FakeAnswerer())
+    opening, question = Opening(talking.answerer, talking), "Which way is it moving?"
+    one = perceive(talking.answerer, Clip(np.stack(frames), fps=25.0))
+    left = {"question": question, "answer": REPLACED}
+    for before in (None, replace(one, is_paired=True)):
+        steps = opening.upload([str(long_recording)], [], None, before)
+        reading = next(steps)["reading"]
+        list(talking.wait(question, reading, before))
+        assert list(opening.replace(reading)) == [{}]
+        rest = list(steps)
+        assert all(values.keys() <= {"stage", "stage_second"} for values in rest)
+        assert list(talking.ask(question, before, [], None, reading)) == []
+        first, *_, last = opening.upload([str(recordings["dark"])], [], None, before, reading)
+        assert first["chat"]["exchanges"] == [left]
+        assert (first | last)["chat"] == first["chat"]
+        assert last["reading"] is None
+        asked = talking.ask(question, last["shown"], [], None, None)
+        assert [*asked][-1]["chat"]["exchanges"][0]["answer"] != REPLACED
 
 
 def test_what_was_asked_of_a_recording_that_fails_is_not_answered_of_the_one_before(
