@@ -120,9 +120,9 @@ function drawLegend(context, size, lines) {
   if (widest > size[0] - 32) context.font = `${(12 * (size[0] - 32)) / widest}px system-ui, sans-serif`;
   context.textBaseline = "middle";
   lines.forEach((line, k) => {
-    const middle = size[1] - 14 - 20 * (lines.length - 1 - k);
+    const middle = size[1] - 10 - 16 * (lines.length - 1 - k);
     context.fillStyle = "rgba(12,16,22,0.66)";
-    context.fillRect(0, middle - 10, context.measureText(line.text).width + 32, 20);
+    context.fillRect(0, middle - 8, context.measureText(line.text).width + 32, 16);
     context.fillStyle = line.colour || "#fff";
     context.fillRect(8, middle - 1.5, 10, 3);
     context.fillStyle = "#fff";

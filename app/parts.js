@@ -86,7 +86,8 @@ const parts = {
       if (last && last.sure !== undefined && !pending) all[all.length - 1].append(button("Retry", () => trigger("retry")));
       list.replaceChildren(...(all.length ? all : [made("p", "empty-talk", empty)]));
       clear.hidden = !all.length;
-      list.scrollTop = list.scrollHeight;
+      // A long answer is read from its question on.
+      list.scrollTop += list.lastElementChild.getBoundingClientRect().top - list.getBoundingClientRect().top - 12;
     };
   },
 

@@ -213,7 +213,7 @@ function draw() {
   picture.width = Math.round(Math.max(box.width, 1) * ratio);
   picture.height = Math.round(Math.max(box.height, 1) * ratio);
   const context = picture.getContext("2d");
-  part("result").textContent = data ? resultText() : "";
+  part("result").textContent = data ? resultText().replace(/(\d) (px|mm|s)\b/g, "$1\u00a0$2") : "";
   const image = images[frame];
   if (!data || !image || !image.naturalWidth) return;
   // As large as it fits, in the shape of the camera.

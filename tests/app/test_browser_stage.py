@@ -198,7 +198,7 @@ def test_the_page_opens_with_a_recording_that_is_asked_about(browser):
     browser.run("document.querySelector('.stage [data-part=play]').click()")
     result = "document.querySelector('.stage-result').innerText"
     browser.run("document.dispatchEvent(new CustomEvent('seek', {detail: 1.9}))")
-    line = r"/^clockwise \d+° .\d+ to \d+°., [0-9.]+ to [0-9.]+ s$/"
+    line = r"/^clockwise \d+° .\d+ to \d+°., [0-9.]+ to [0-9.]+\u00a0s$/"
     assert browser.run(f"{line}.test({result})")
     assert browser.run(FRAME) == pytest.approx(1.9 * 25, abs=1)
 
@@ -316,6 +316,16 @@ def test_a_finger_opens_an_example_asks_and_scrubs(phone, touch_path):
     places = [line["left"] + 64 + share * (line["width"] - 74) for share in (0.2, 0.4, 0.6, 0.75)]
     touch(phone, *((x, line["top"] + 60) for x in places))
     assert phone.run(FRAME) == pytest.approx(0.75 * 39, abs=1)
+
+
+def test_on_a_phone_the_answer_begins_with_its_question_and_the_picture_is_free(phone):
+    phone.wait_for("document.querySelectorAll('.exchange .answer').length == 1")
+    for question in ("Which way does it go?", "way all " + "which_way " * 60):
+        phone.ask(question)
+        below = box(phone, ".exchange:last-child")["top"] - box(phone, ".talk-list")["top"]
+        assert 0 <= below < 60
+    phone.wait_for("document.querySelector('.stage-result').innerText")
+    assert box(phone, ".stage-result")["top"] >= box(phone, ".stage-screen canvas")["bottom"]
 
 
 def test_a_pixels_size_that_is_given_afterwards_redraws_the_timeline_in_mm(browser, touch_path):
