@@ -6,10 +6,10 @@ object that both look at, and whatever sees that it is watched no more ends.
 
 from __future__ import annotations
 
-import re
 import secrets
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -22,7 +22,8 @@ import geotlm_lm as lm
 
 from . import conversation, guards, stage
 from .clips import Image, LoadedClip, perceive, without_folder
-from .conversation import WATCHED, Talking, exchanges, fields_of, in_frame
+from .conversation import WATCHED, fields_of
+from .live_talk import UNASKED, LiveTalk
 from .sessions import remove_seen
 from .toolkit import CAMERA, COMPLAINT, QUIET, Filled, complaint, on, sent
 
@@ -67,24 +68,20 @@ LEAST_FRAMES = 5
 LEAST_KEPT = 3 * LEAST_FRAMES
 """Frames that are kept however large they are: of half of them enough are settled."""
 
-NOW = re.compile(
-    r"(?<!\bby )(?<!\bto )(?<!\buntil )(?<!\btill )\bnow\b|\b(currently|at the moment)\b",
-    re.IGNORECASE,
-)
-"""What a question asks of the present by; of what happened by now it is asked of all."""
-
 NOW_S = 0.4
 """How far back the present reaches."""
+
+STILL = "Still watched for"
+
+MARK = "Mark: "
+"""Stands before the likeliest meaning of a condition that was refused, on a button."""
 
 NO_GEL_YET = (
     "No untouched gel was seen yet, so that nothing is followed; let go of what touches it for a "
     "moment."
 )
-WATCH_FIRST = "Nothing was watched yet; start the camera or a recording first."
 
 TOO_FEW = "Too few frames were seen so far; ask again in a moment."
-
-UNASKED: Filled = {"chat": exchanges(None), "framed": "", COMPLAINT: ""}
 
 NOTHING: Filled = UNASKED | {"stage": {}, "chips": []}
 """What is shown before anything was watched."""
@@ -135,6 +132,7 @@ def _sources() -> dict[str, Any]:
         with gr.Column(min_width=220):
             words = ("Mark the moment when", "it has turned 30 degrees clockwise", "Mark")
             parts["condition"], parts["mark"] = conversation.line_of_words(*words)
+            parts["guess"] = gr.Button(visible=False, size="sm")
             parts["refused"] = complaint()
     return parts
 
@@ -152,7 +150,8 @@ def _connect_sources(parts: dict[str, Any], answerer: lm.Answerer) -> None:
         live.condition = None
         for values in stop(live):
             camera = gr.Image(value=None, visible=False)
-            yield values | {"condition": "", "refused": "", "camera": camera}
+            emptied = {"condition": "", "refused": "", "guess": gr.Button(visible=False)}
+            yield values | emptied | {"camera": camera}
 
     # No generator: the toolkit would ask it for more instead of giving it the next frame. Nor does
     # it empty the complaint, ten times a second, which another error may fill.
@@ -171,12 +170,14 @@ def _connect_sources(parts: dict[str, Any], answerer: lm.Answerer) -> None:
     on(parts, [path.clear], stop, ("live", "path"), EMPTIED, **now)
 
     beside = parts | {COMPLAINT: parts["refused"]}  # what is wrong with it stands by the condition
-    marked = (parts["mark"].click, parts["condition"].submit)
+    words = f"(label) => label.slice({len(MARK)})"
+    taken = parts["guess"].click(None, parts["guess"], parts["condition"], js=words, **now)
+    marked = (parts["mark"].click, parts["condition"].submit, taken.then)
     facts = ("condition", "live", "frame", "mm_per_px")
-    on(beside, marked, partial(wait_for, answerer), facts, ["stage"], **QUIET, **CAMERA)
+    on(beside, marked, partial(wait_for, answerer), facts, ["stage", "guess"], **QUIET, **CAMERA)
 
     # Taken away and laid out anew, the camera's part lets its browser ask for the camera again.
-    emptied = (*EMPTIED, "condition", "refused", "camera")
+    emptied = (*EMPTIED, "condition", "refused", "guess", "camera")
     (cleared,) = on(parts, [parts["clear"].click], clear, ["live"], emptied, js=STOP_CAMERA, **now)
     cleared.then(lambda: gr.Image(visible=True), None, parts["camera"], **now)
 
@@ -198,6 +199,7 @@ class LiveStream:
         self._kept: list[tuple[int, Image]] = []
         self._monitor: Any = None
         self._moment: tuple[float, str] | None = None
+        self.is_kept = False  # whether the condition outlived another, which was refused
         self._apart, self._stuck = 1, lm.StuckPicture()
         self._now_s = self._idle_sent_s = -np.inf
         self._began_s = 0.0 if is_camera else time.monotonic()
@@ -285,10 +287,15 @@ class LiveStream:
     def _condition_text(self) -> str:
         if self._monitor is None:
             return ""
-        words = self._monitor.condition.restated
-        if self._moment is not None:
-            return f"From {self._moment[0]:.2f} s on: {words}. {self._moment[1]}"
-        return f"Did not hold: {words}." if self.is_over else f"Waiting for this: {words}."
+        moment, evidence = self._moment or (None, "")
+        state = "did not hold" if self.is_over else ""
+        state = state if moment is None else f"noticed at {moment:.2f} s"
+        heads = (
+            [STILL, *filter(None, [state])]
+            if self.is_kept
+            else [state.capitalize() or "Waiting for this"]
+        )
+        return f"{', '.join(heads)}: {self._monitor.condition.restated}. {evidence}".strip()
 
     def shown(self, *, is_now: bool = False) -> LoadedClip:
         """Return what was seen up to the last frame, ready for questions; the conversation goes on.
@@ -364,6 +371,15 @@ class LiveSession:
         stream.wait_for(self.condition)
         return values
 
+    def waiting(self, *, is_kept: bool = False) -> Filled:
+        """Return what the stage shows of the condition, which may have outlived a refused one."""
+        if self.stream is not None:
+            self.stream.is_kept = is_kept
+            return {"stage": self.stream.stage(mm_per_px=self.mm_per_px)}
+        head = STILL if is_kept else "Will wait for this"
+        words = self.condition and f"{head}: {self.condition.restated}."
+        return {"stage": {"condition": words or ""}}
+
 
 def wait_for(
     answerer: lm.Answerer, text: str, live: LiveSession, facts: list[str], mm_per_px: float | None
@@ -373,13 +389,23 @@ def wait_for(
     One that is refused leaves the condition before it as it is.
     """
     frame = lm.FrameSpec(**fields_of(facts), mm_per_px=mm_per_px or None)
-    live.condition = answerer.condition(text, frame=frame) if text.strip() else None
-    if live.stream is None:
-        words = live.condition and f"Will wait for this: {live.condition.restated}."
-        yield {"stage": {"condition": words or ""}}
-    else:
+    read = partial(answerer.condition, frame=frame)
+    try:
+        live.condition = read(text) if text.strip() else None
+    except lm.GeoTLMError as error:
+        yield live.waiting(is_kept=True) | {"guess": _offered(read, getattr(error, "guess", ""))}
+        raise
+    if live.stream is not None:
         live.stream.wait_for(live.condition)
-        yield {"stage": live.stream.stage(mm_per_px=live.mm_per_px)}
+    yield live.waiting() | {"guess": gr.Button(visible=False)}
+
+
+def _offered(read: Callable[[str], Any], words: str) -> gr.Button:
+    """Return a button that marks a condition, hidden where that would be refused in its turn."""
+    with suppress(lm.GeoTLMError):
+        read(words)
+        return gr.Button(f"{MARK}{words}", visible=True)
+    return gr.Button(visible=False)
 
 
 def watch_recording(answerer: lm.Answerer, path: str | None, live: LiveSession) -> Iterator[Filled]:
@@ -442,50 +468,3 @@ def follow_camera(answerer: lm.Answerer, frame: Image | None, live: LiveSession)
     if live.stream is not stream:  # emptied meanwhile
         return {}
     return values | {"stage": stream.stage(frame, live.mm_per_px)}
-
-
-class LiveTalk(Talking):
-    """Answers questions about what is watched, as far as it was seen when they are asked."""
-
-    def ask(
-        self, question: str, live: LiveSession, facts: list[str], mm_per_px: float | None
-    ) -> Iterator[Filled]:
-        """As `Talking.ask`, unless something else is watched when the answer comes."""
-        if (stream := live.stream) is None:
-            raise lm.GeoTLMError(WATCH_FIRST)
-        shown = stream.shown(is_now=bool(NOW.search(question)))
-        for values in super().ask(question, shown, facts, mm_per_px):
-            if live.stream is not stream:
-                continue
-            if "mm_per_px" in values:  # perhaps stated in the question
-                for redrawn in self.resize(live, values["mm_per_px"]):
-                    values |= redrawn
-            yield values
-
-    def session_of(self, live: LiveSession) -> Any:
-        """As `Talking.session_of`."""
-        return None if live.stream is None else live.stream.session
-
-    def redraw(self, _: LoadedClip) -> Filled:
-        """Nothing yet: the stage shows more than the question was about."""
-        return {}
-
-    def beside(self, *_: Any) -> Filled:
-        """Nothing: what an answer rests on is gone soon."""
-        return {}
-
-    def forget(self, live: LiveSession, facts: list[str], *_: Any) -> Iterator[Filled]:
-        """Begin the conversation anew; the frame that the page shows still holds."""
-        if live.stream is not None:
-            live.stream.forget_talk()
-        chips = [] if live.stream is None else list(WATCHED)
-        yield UNASKED | {"framed": in_frame(facts, None), "chips": chips}
-
-    def resize(self, live: LiveSession, mm_per_px: float | None) -> Iterator[Filled]:
-        """Tell lengths by another size of a pixel."""
-        size = lm.FrameSpec(mm_per_px=mm_per_px or None).mm_per_px
-        if size == live.mm_per_px:
-            return
-        live.mm_per_px = size
-        if live.stream is not None:
-            yield {"stage": live.stream.stage(mm_per_px=size)}

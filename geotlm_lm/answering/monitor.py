@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from geotlm_lm.answering.understanding import READ, understand
 from geotlm_lm.checkpoint import Bundle
 from geotlm_lm.core.clip import Frames
-from geotlm_lm.core.errors import UsageError, check_question
+from geotlm_lm.core.errors import Unsure, UsageError, check_question
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.labels import Motion
 from geotlm_lm.core.twist import COMPONENTS, Component, Twist
@@ -149,10 +149,11 @@ def condition_of(bundle: Bundle, text: str, frame: FrameSpec, *, is_negated: boo
     program = understood.program
     words = restated(program) if program.answers or program.facts else "nothing that I know"
     if understood.ask_back is not None or understood.probability < READ:
-        raise UsageError(
+        raise Unsure(
             f"The condition '{text}' was not surely understood; the likeliest reading, "
             f"{understood.probability:.0%}, is {words}: say it in other words, such as 'it has "
-            f"turned 30 degrees clockwise' or 'it slips by more than 0.5 mm'."
+            f"turned 30 degrees clockwise' or 'it slips by more than 0.5 mm'.",
+            words.removeprefix("whether "),
         )
     if [each.word for each in program.answers] == ["cannot"]:
         why = replies()["untold"][program.answers[0].arguments[0]]

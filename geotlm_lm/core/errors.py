@@ -42,6 +42,14 @@ class UsageError(GeoTLMError):
     exit_code = 2
 
 
+class Unsure(UsageError):
+    """Words were not surely understood; `guess` says in plain ones what they most likely mean."""
+
+    def __init__(self, message: str, guess: str) -> None:
+        super().__init__(message)
+        self.guess = guess
+
+
 class Unwritten(UsageError):
     """A file cannot be written: the disk is full, or nothing may be written there."""
 

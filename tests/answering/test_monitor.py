@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geotlm_lm.answering.monitor import Condition, Monitor, condition_of
-from geotlm_lm.core.errors import UnreadableClip, UsageError
+from geotlm_lm.core.errors import UnreadableClip, Unsure, UsageError
 from geotlm_lm.core.frame_spec import FrameSpec
 from geotlm_lm.core.twist import Component, Twist
 from geotlm_lm.query.evaluate import Context, Evidence
@@ -224,6 +224,14 @@ def test_the_contrary_is_waited_for_where_something_is_to_stay_so(answerer):
 def test_a_condition_that_cannot_be_waited_for_is_refused(answerer, text, why):
     with pytest.raises(UsageError, match=why):
         condition_of(answerer.bundle, text, CAMERA, is_negated=False)
+
+
+def test_what_is_not_surely_understood_is_refused_with_its_likeliest_reading(answerer, monkeypatch):
+    words = answerer.condition("it slips").restated
+    monkeypatch.setattr("geotlm_lm.answering.monitor.READ", 1.1)
+    with pytest.raises(Unsure, match="the likeliest reading") as refused:
+        answerer.condition("it slips")
+    assert refused.value.guess == words
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from app.live_tab import (
     watch_recording,
 )
 from geotlm_lm import GeoTLMError
+from geotlm_lm.core.errors import Unsure
 from tests.app.fakes import READ, FakeAnswerer
 from tests.track.recordings import there_and_back
 
@@ -221,17 +222,41 @@ def test_the_moment_from_which_on_a_condition_holds_is_marked(tmp_path):
     assert told[0]["marks"] == []
     (moment,) = told[-1]["marks"]
     assert 1.2 < moment < 1.9  # it turns by 30 degrees from 1 to 1.8 s
-    assert told[-1]["condition"].startswith(f"From {moment:.2f} s on: it turns clockwise")
+    assert told[-1]["condition"].startswith(f"Noticed at {moment:.2f} s: it turns clockwise")
     assert waiting(watched, " ")["marks"] == []
     # Stated when all is over, it is marked where it held: by all that was seen, no later than live.
     after = waiting(watched, text)
     assert 1.0 < after["marks"][0] <= moment
-    assert after["condition"].startswith("From 1.")
+    assert after["condition"].startswith("Noticed at 1.")
     kept = watched.condition
     with pytest.raises(GeoTLMError, match="expected something that holds or does not"):
         waiting(watched, "Which way does it go?")
     assert watched.condition is kept  # the one before is still waited for
-    assert watched.stream.stage()["condition"] == after["condition"]
+    still = "Still watched for, n" + after["condition"].removeprefix("N")
+    assert watched.stream.stage()["condition"] == still
+    assert waiting(watched, text)["condition"] == after["condition"]
+
+
+def test_what_a_refused_condition_most_likely_means_is_offered(monkeypatch):
+    answerer, watched = FakeAnswerer(), LiveSession()
+    read, text = answerer.condition, "it has turned 20 degrees clockwise"
+    assert waiting(watched, text)
+
+    def condition(words, **named):
+        if words in guesses:
+            raise Unsure("This was not surely understood.", guesses[words])
+        return read(words, **named)
+
+    guesses = {"it goes round": text, "banana": "plum", "plum": "banana"}
+    monkeypatch.setattr(answerer, "condition", condition)
+    for words, label in (("it goes round", f"Mark: {text}"), ("banana", "")):
+        steps = wait_for(answerer, words, watched, [], 0)
+        offered = next(steps)
+        assert offered["guess"].visible == bool(label)
+        assert label in (offered["guess"].value, "")
+        assert offered["stage"]["condition"].startswith("Still watched for: it turns clockwise")
+        with pytest.raises(Unsure):
+            next(steps)
 
 
 def test_what_happens_now_is_told_of_the_last_moments(tmp_path, clock):
