@@ -30,16 +30,16 @@ function table(heads, rows) {
   return made("table", "", "", line(heads, "th"), ...rows.map((row) => line(row, "td")));
 }
 
-// Moments in an answer, which a click shows: "at 1.7 s", "from 1.4 to 2.28 s".
-const MOMENT = /\b(at|from|to|until|after|before)( )(\d+(?:\.\d+)?)(?=( to \d+(\.\d+)?)? s\b)/gi;
+// Moments in an answer, which a click shows: "at 1.7 s and 2 s", "from 1.4 to 2.28 s".
+const MOMENT = /(\b(?:at|from|to|until|after|before) |(?<=\bat (?:[\d.]+ s(?:,| and) )+))(\d+(?:\.\d+)?)(?=( to \d+(\.\d+)?)? s\b)/gi;
 
 function withMoments(text) {
   const place = made("p", "answer");
   let end = 0;
   for (const match of text.matchAll(MOMENT)) {
-    const [whole, word, gap, number] = match;
+    const [whole, before, number] = match;
     const show = button(number, () => document.dispatchEvent(new CustomEvent("seek", { detail: +number })), `Show ${number} s`);
-    place.append(text.slice(end, match.index) + word + gap, show);
+    place.append(text.slice(end, match.index) + before, show);
     end = match.index + whole.length;
   }
   place.append(text.slice(end));

@@ -157,6 +157,22 @@ def test_a_way_is_short_as_one_arrow(empty, text, short):
     assert empty.run(f"{source('timeline.js')}; inShort({text!r})") == short
 
 
+@pytest.mark.parametrize(
+    ("answer", "moments"),
+    [
+        ("No, at 1.92 s and 1.88 s.", "1.92 1.88"),
+        ("At 1.4 s, 2 s and 3.25 s.", "1.4 2 3.25"),
+        ("It turns from 1.4 to 2.28 s; until 3 s.", "1.4 2.28 3"),
+        ("It lasts 1.6 s and 0.2 s, at 2 px.", ""),
+    ],
+)
+def test_each_moment_of_an_answer_is_a_click_away(empty, answer, moments):
+    place = f"{source('parts.js')}; var place = withMoments({answer!r}); "
+    buttons = "[...place.querySelectorAll('button')].map((one) => one.textContent).join(' ')"
+    assert empty.run(f"{place}{buttons}") == moments
+    assert empty.run(f"{place}place.textContent") == answer
+
+
 def test_arrows_too_short_to_be_drawn_are_told_from_those_that_are(empty):
     field = (
         f"{source('draw.js')}; drawField(document.createElement('canvas').getContext('2d'), "
