@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import re
 import shutil
 import tempfile
 import time
@@ -76,6 +77,27 @@ def compared(first: LoadedClip, second: LoadedClip | None) -> LoadedClip:
     if second is not None:
         session.add_clip(second.encoded)
     return replace(first, second=second)
+
+
+def by_place(question: str, shown: LoadedClip) -> str:
+    """Return a question that names one of two recordings by its title so that it is understood.
+
+    The reader knows them as the first and the second: "When did the key slide?" is "In the first
+    recording, when did it slide?". Where both are named, or none, it stays as it is.
+    """
+    both = [] if shown.second is None else [shown, shown.second]
+    titles = [Path(each.source.name).stem.lower() for each in both]
+    either = "|".join(re.escape(title) for title in sorted(titles, key=len, reverse=True))
+    mention = rf"(\b(?:in|of|for|than) )?(?:\bthe )?(?<!\w)({either})(?:\.\w+)?(?!\w)"
+    mentions = list(re.finditer(mention, question, re.IGNORECASE)) if both else []
+    named = {match[2].lower() for match in mentions}
+    if len(named) != 1 or len({*titles}) == 1:
+        return question
+    place = f"the {('first', 'second')[titles.index(named.pop())]} recording"
+    if mentions[0][1]:  # "in the key"
+        return re.sub(mention, rf"\1{place}", question, flags=re.IGNORECASE)
+    rest = re.sub(mention, "it", question, flags=re.IGNORECASE)
+    return f"In {place}, {rest[0].lower()}{rest[1:]}"
 
 
 def perceive(

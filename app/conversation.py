@@ -13,7 +13,7 @@ import gradio as gr
 import geotlm_lm as lm
 
 from . import stage
-from .clips import LoadedClip, Reading, compared
+from .clips import LoadedClip, Reading, by_place, compared
 from .guards import QUESTION_CHARACTERS
 from .toolkit import COMPLAINT, MODEL, QUIET, Filled, complaint, html, on
 from .turns import SessionInTurns
@@ -216,13 +216,15 @@ class Talking:
         session.frame = replace(session.frame, **fields_of(facts), mm_per_px=mm_per_px or None)
         yield {"chat": exchanges(session, question), "question": ""}
         try:
-            answer = session.ask(question)
+            answer = session.ask(understood := by_place(question, shown))
         except lm.GeoTLMError:
             yield {"chat": exchanges(session), "question": question}
             raise
         if shown.second is not None and hasattr(answer, "naming"):
             answer = answer.naming(shown.source.name, shown.second.source.name)
             session.history[-1] = replace(session.history[-1], answer=answer)
+        if understood != question:  # shown is what was typed
+            session.history[-1] = replace(session.history[-1], question=question.strip())
         frame, stated = session.frame, facts_of(session.frame)
         redrawn = frame.mm_per_px != size_before
         # A field that the question did not fill may have been filled meanwhile.
@@ -364,7 +366,8 @@ def code_of(shown: LoadedClip) -> str:
 
     The files of an upload are named as their owner knows them, several images by their folder.
     """
-    source, questions = shown.source, [turn.question for turn in shown.session.history]
+    source = shown.source
+    questions = [by_place(turn.question, shown) for turn in shown.session.history]
     name = Path(source.path).name if isinstance(source.path, str) else source.name
     path = name if source.example is None else f"app/{Path(source.path).parent.name}/{name}"
     frame, usual = shown.session.frame, lm.FrameSpec()

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from app.ask_tab import Opening, saved
-from app.clips import Reading, Source, perceive
+from app.clips import Reading, Source, by_place, perceive
 from app.conversation import EMPTY, REPLACED, Talking, offered
 from app.sources import EXAMPLE_FOLDER as FOLDER
 from app.sources import FIRST, RECORDING_FOLDER, examples
@@ -171,6 +171,41 @@ def test_a_second_recording_is_compared_on_one_scale_until_it_is_closed(tracked,
     assert "scale" not in closed["stage"]
     session = closed["shown"].session
     assert (len(session.clips), len(session.history)) == (1, 4)
+
+
+@pytest.mark.parametrize(
+    ("question", "understood"),
+    [
+        ("When did the key slide?", "In the first recording, when did it slide?"),
+        ("when did KEY slip", "In the first recording, when did it slip"),
+        ("What happens in the key 2?", "What happens in the second recording?"),
+        ("Did key 2.mov turn?", "In the second recording, did it turn?"),
+        ("Which turned further, the key or key 2?", None),
+        ("Does the keyhole turn?", None),
+        ("Which turned further?", None),
+    ],
+)
+def test_a_recording_is_named_by_its_title(talked, question, understood):
+    first, second = named(talked, "key", "key"), named(talked, "key 2.mov")
+    assert by_place(question, replace(first, second=second)) == (understood or question)
+    assert by_place(question, first) == question
+    assert by_place(question, replace(first, second=first)) == question
+
+
+def test_what_was_typed_is_shown_of_a_question_that_names_a_recording(talked, recordings):
+    talking = Talking(FakeAnswerer())
+    opening = Opening(talking.answerer, talking)
+    before = ([], None, replace(named(talked, "cap"), is_paired=True))
+    *_, opened = opening.upload([str(recordings["dark"])], *before)
+    lines = talked.session.answerer.bundle.reader.lines
+    lines["In the first recording, how far did it go?"] = "of-first extent"
+    *_, told = talking.ask("How far did the cap go? ", opened["shown"], [], None)
+    last = told["chat"]["exchanges"][-1]
+    assert last["question"] == "How far did the cap go?"
+    assert last["answer"].endswith("(cap, the first).")
+    assert "In the first recording, how far did it go?" in told["code"]
+    again = [*talking.again(opened["shown"], [], None)][-1]["chat"]["exchanges"]
+    assert again == told["chat"]["exchanges"]
 
 
 @pytest.fixture
