@@ -25,21 +25,11 @@ from geotlm_lm.core.errors import TopicNeeded
 
 from . import clips, conversation, stage
 from .clips import LoadedClip
-from .conversation import (
-    Talking,
-    exchanges,
-    in_frame,
-    nothing_asked,
-    offered,
-    suggested,
-    unanswered,
-)
+from .conversation import Talking, exchanges, in_frame, nothing_asked, offered, suggested
 from .guards import QUESTION_CHARACTERS, TOPIC_CHARACTERS
 from .sources import FIRST, Source, examples
 from .toolkit import MODEL, QUIET, Filled, html, on
 from .turns import reported
-
-FIRST_QUESTION = "What happens first and what then?"
 
 THUMBNAIL_PX = 104
 
@@ -137,7 +127,8 @@ def _connect(parts: dict[str, Any], opens: Opening, page: Any) -> None:
 
     changed = (files.upload, files.clear, files.delete)
     chosen, closing = parts["examples"].click, parts["stage_second"].collapse
-    on(parts, (*changed, chosen, closing), opens.replace, ["reading"], queue=False, **QUIET)
+    leave = partial(opens.stop, is_replaced=True)
+    on(parts, (*changed, chosen, closing), leave, ["reading"], queue=False, **QUIET)
     on(parts, changed, opens.upload, ("files", *before), OPENED, **each)
     on(parts, [chosen], open_example, before, OPENED, **each)
     spanned = ("source", "first", "last_frame", "topic", *before)
@@ -195,21 +186,15 @@ class Opening:
         self._perceived: dict[str, LoadedClip] = {}  # examples: everybody opens the same
         self._lock = Lock()
 
-    def upload(
-        self,
-        paths: list[str] | None,
-        facts: list[str],
-        size: float | None = None,
-        shown: Any = None,
-        left: clips.Reading | None = None,
-    ) -> Iterator[Filled]:
+    def upload(self, paths: list[str] | None, facts: list[str], *before: Any) -> Iterator[Filled]:
         """Open what was uploaded last; close everything where all was taken away."""
         given = clips.latest_upload(paths)
         if not given:
+            size, shown, *_ = (*before, None, None)
             yield page_of(None, facts, size if shown is None else None)
             return
         source = Source(given, Path(given[0]).name if len(given) == 1 else "images")
-        for values in self._open(source, facts, size, shown, left, may_be_second=True):
+        for values in self._open(source, facts, *before, may_be_second=True):
             if values.get("files") == paths:  # stand there, and would be read to be told apart
                 del values["files"]
             yield values
@@ -225,17 +210,12 @@ class Opening:
             raise lm.GeoTLMError("No recording is open; open one first.")
         yield {"shown": replace(shown, is_paired=True), "stage_second": CHOOSING}
 
-    def stop(self, reading: clips.Reading | None) -> Iterator[Filled]:
-        """Let the recording that is being read end where it is tracked to."""
+    def stop(self, reading: clips.Reading | None, *, is_replaced: bool = False) -> Iterator[Filled]:
+        """Let a recording that is being read end where it is tracked to, or be left for another."""
         if reading is not None:
+            reading.is_replaced |= is_replaced
             reading.stop.set()
         yield {}
-
-    def replace(self, reading: clips.Reading | None) -> Iterator[Filled]:
-        """Leave the recording that is being read, as another is to be opened or closed."""
-        if reading is not None:
-            reading.is_replaced = True
-        yield from self.stop(reading)
 
     def close_second(self, shown: LoadedClip | None) -> Iterator[Filled]:
         """Go back to one recording; its conversation goes on."""
@@ -258,10 +238,9 @@ class Opening:
             )
         for values in self._open(source, []):
             yield values
-        question = query.get("q", "" if query.get("example") else FIRST_QUESTION)
-        if question:
-            asked = question[:QUESTION_CHARACTERS], values["shown"], [], None
-            for values in self._talking.ask(*asked):
+        question = query.get("q", "" if query.get("example") else conversation.STORY)
+        if question and (shown := values.get("shown")) is not None:  # it may have been left
+            for values in self._talking.ask(question[:QUESTION_CHARACTERS], shown, [], None):
                 # What is being typed meanwhile stays.
                 yield {name: value for name, value in values.items() if value != ""}
 
@@ -302,7 +281,7 @@ class Opening:
         """
         is_second = may_be_second and before is not None and before.is_paired
         size = mm_per_px if before is None else None  # it goes with the clip that it was of
-        lost = unanswered(before.session if is_second else None, left)
+        lost = conversation.unanswered(before.session if is_second else None, left)
         closed = ({} if is_second else page_of(None, facts, size, source)) | lost
         name, reading = "stage_second" if is_second else "stage", clips.Reading()
         try:

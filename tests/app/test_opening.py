@@ -321,7 +321,7 @@ def test_another_recording_that_is_opened_leaves_the_one_that_is_being_read(
         steps = opening.upload([str(long_recording)], [], None, before)
         reading = next(steps)["reading"]
         list(talking.wait(question, reading, before))
-        assert list(opening.replace(reading)) == [{}]
+        assert list(opening.stop(reading, is_replaced=True)) == [{}]
         rest = list(steps)
         assert all(values.keys() <= {"stage", "stage_second"} for values in rest)
         assert list(talking.ask(question, before, [], None, reading)) == []
@@ -331,6 +331,14 @@ def test_another_recording_that_is_opened_leaves_the_one_that_is_being_read(
         assert last["reading"] is None
         asked = talking.ask(question, last["shown"], [], None, None)
         assert [*asked][-1]["chat"]["exchanges"][0]["answer"] != REPLACED
+
+
+def test_of_a_link_that_was_left_for_another_recording_nothing_is_asked():
+    talking = Talking(FakeAnswerer())
+    opening = Opening(talking.answerer, talking)
+    steps = opening.visit({"example": FIRST, "q": "Which way is it moving?"})
+    list(opening.stop(next(steps)["reading"], is_replaced=True))
+    assert all(values.keys() <= {"stage"} for values in steps)
 
 
 def test_what_was_asked_of_a_recording_that_fails_is_not_answered_of_the_one_before(
