@@ -262,12 +262,15 @@ class Answerer:
         measured = [] if answer.motion is None else [answer.motion.sentence()]
         source = "by rule, from the geometry the model read"
         times = times_step(answer.values, encoded.evidence_by(0), answer.frame)
-        own = self._own_view(encoded, answer)
+        own = self._own_view(encoded, answer, is_of_time=bool(times))
         events = [times] if times else []
         return Why((place, *steps, *measured, *events, *own, frame, conclusion), source)
 
-    def _own_view(self, encoded: Encoded, answer: Answer) -> list[str]:
-        """Return what the language model itself makes of what it was asked, where it was asked."""
+    def _own_view(self, encoded: Encoded, answer: Answer, *, is_of_time: bool) -> list[str]:
+        """Return what the language model itself makes of what it was asked, where it was asked.
+
+        Of times it is not quoted: it is shown four frames, and no recording.
+        """
         if not answer.written or not encoded.prefix.slots:
             return []
         speaker, calibration = self.bundle.speaker, self.bundle.calibration
@@ -277,7 +280,8 @@ class Answerer:
         }
         is_same = answer.told_by == "model"
         asked = answer.question, answer.written
-        sentence = "" if is_same else speaker.sentence(encoded.prefix, *asked, answer.text)
+        is_quoted = not (is_same or is_of_time)
+        sentence = speaker.sentence(encoded.prefix, *asked, answer.text) if is_quoted else ""
         return [own_view(shares, sentence, is_same=is_same)]
 
 
