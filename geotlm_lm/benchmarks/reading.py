@@ -228,7 +228,7 @@ def _own_rows(run: Run) -> Iterator[Row]:
             continue
         for question in islice(questions, OWN_EACH):
             reply = run.answerer.ask(encoded, question)
-            if reply.values:
+            if reply.values and not reply.withheld:
                 is_own = reply.told_by == "model"
                 graded += [(case, OWN, is_own, made.object_name) for case in ("all", reply.kind)]
     yield from sorted(share_rows(graded, run.seed), key=lambda row: row.case)
@@ -250,7 +250,8 @@ OWN_ANSWERS = Section(
     about="""\
 Every answer follows from values. It is the language model's own where the model, given its tactile
 prefix, the question and the program, says the same sentence word for word; numbers are copied from
-the value. Clips are simulated and turn, slide and press at once, objects and families of phrasing
+the value. Where a value is withheld in a form that programs read, its place is empty: such an answer
+is nobody's and not counted. Clips are simulated and turn, slide and press at once, objects and families of phrasing
 are kept from training. What the model feels at its slots stands beside probe and rivals above.""",
     shares=whole(_own_rows),
     views={"": Pivot(right_with_interval, "kind of answer")},
