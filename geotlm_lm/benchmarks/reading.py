@@ -250,9 +250,10 @@ OWN_ANSWERS = Section(
     about="""\
 Every answer follows from values. It is the language model's own where the model, given its tactile
 prefix, the question and the program, says the same sentence word for word; numbers are copied from
-the value. Where a value is withheld in a form that programs read, its place is empty: such an answer
-is nobody's and not counted. Clips are simulated and turn, slide and press at once, objects and families of phrasing
-are kept from training. What the model feels at its slots stands beside probe and rivals above.""",
+the value. Where a value is withheld in a form that programs read, its place is empty: such an
+answer is nobody's and not counted. Clips are simulated and turn, slide and press at once, objects
+and families of phrasing are kept from training. What the model feels at its slots stands beside
+probe and rivals above.""",
     shares=whole(_own_rows),
     views={"": Pivot(right_with_interval, "kind of answer")},
 )
