@@ -80,24 +80,39 @@ def compared(first: LoadedClip, second: LoadedClip | None) -> LoadedClip:
 
 
 def by_place(question: str, shown: LoadedClip) -> str:
-    """Return a question that names one of two recordings by its title so that it is understood.
+    """Return a question that names one of two recordings so that it is understood.
 
     The reader knows them as the first and the second: "When did the key slide?" is "In the first
     recording, when did it slide?". Where both are named, or none, it stays as it is.
     """
-    both = [] if shown.second is None else [shown, shown.second]
+    both = () if shown.second is None else (shown, shown.second)
     titles = [Path(each.source.name).stem.lower() for each in both]
-    either = "|".join(re.escape(title) for title in sorted(titles, key=len, reverse=True))
+    names = [_names(title, place) for title, place in zip(titles, PLACES, strict=False)]
+    place_of: dict[str, str] = {}
+    for spoken in ([{title} for title in titles], names):  # a whole title before what is like it
+        for each, place in zip(spoken, PLACES, strict=False):
+            unique = {name for name in each if sum(name in others for others in spoken) == 1}
+            place_of = dict.fromkeys(unique, place) | place_of
+    either = "|".join(re.escape(name) for name in sorted(place_of, key=len, reverse=True))
     mention = rf"(\b(?:in|of|for|than) )?(?:\bthe )?(?<!\w)({either})(?:\.\w+)?(?!\w)"
-    mentions = list(re.finditer(mention, question, re.IGNORECASE)) if both else []
-    named = {match[2].lower() for match in mentions}
-    if len(named) != 1 or len({*titles}) == 1:
+    mentions = list(re.finditer(mention, question, re.IGNORECASE)) if place_of else []
+    named = {place_of[match[2].lower()] for match in mentions}
+    if len(named) != 1:
         return question
-    place = f"the {('first', 'second')[titles.index(named.pop())]} recording"
+    place = f"the {named.pop()} recording"
     if mentions[0][1]:  # "in the key"
         return re.sub(mention, rf"\1{place}", question, flags=re.IGNORECASE)
     rest = re.sub(mention, "it", question, flags=re.IGNORECASE)
     return f"In {place}, {rest[0].lower()}{rest[1:]}"
+
+
+PLACES = ("first", "second")
+
+
+def _names(title: str, place: str) -> set[str]:
+    """Return what a recording may be called: its words, these but for a number, its place."""
+    words = re.sub(r"[\W_]+", " ", title).strip()
+    return {words, re.sub(r"\W*\d+$", "", words), f"{place} one"} - {""}
 
 
 def perceive(
