@@ -368,7 +368,7 @@ def _choice(teller: Teller, value: Choice) -> str:
     if head.word in ("which-clip", "which-more", "which-less"):
         which = " and ".join(f"the {('first', 'second')[place]}" for place in value.chosen)
         reason = f": {_each(teller, value.each)}" if value.each else ""
-        return f"{which or 'neither'}{reason}"
+        return f"{which or 'neither' + ' clearly' * bool(reason)}{reason}"
     cases = [head.arguments[0][place] for place in value.chosen]
     names = list(map(label_of, cases))
     if head.word == "choose-not":

@@ -287,7 +287,9 @@ def test_it_is_said_which_amounts_of_two_recordings_are_compared():
     assert told("which-more amount turn", *clips) == (
         "The second: the first at its farthest about 50 degrees, the second net about 65 degrees."
     )
-    assert told("which-more path turn", *clips).startswith("Neither: the first about 90 degrees,")
+    assert told("which-more path turn", *clips).startswith(
+        "Neither clearly: the first about 90 degrees,"
+    )
 
 
 def test_what_is_unlikely_is_no_guess():
