@@ -204,8 +204,10 @@ def perceive_recording(
     clip = with_background(with_found_idle(clip))
     part = track if span is None else track.between(*span)
     # Not every frame that was tracked need be kept: the nearest shows the same.
-    away = np.abs(np.subtract.outer(part.numbers[list(window_of(part))], clip.frame_numbers))
-    window = perceive_clip(bundle, clip.select(away.argmin(axis=1).tolist()), track.scene)
+    wanted = window_of(part)
+    away = np.abs(np.subtract.outer(part.numbers[list(wanted)], clip.frame_numbers))
+    nearest = away.argmin(axis=1).tolist()
+    window = perceive_clip(bundle, clip.select(nearest), track.scene)
     if span is not None:
         used = f"Tracked from frame {part.numbers[0]} to {part.numbers[-1]}."
         window = replace(window, clip=window.clip.with_note(used))
@@ -213,6 +215,8 @@ def perceive_recording(
         # What was compared with is a guess, or not there.
         window = replace(window, is_contact_known=False, is_changed=False, is_faint=False)
     belief = belief_of(bundle, window)
+    if len({*nearest}) < len({*wanted}):  # too few were kept to show how far it goes
+        belief = replace(belief, readable=dict.fromkeys(belief.readable, True))
     part = part.as_readable(belief.readable)
     timing = window.timing_ms | {"track": 1e3 * (time.perf_counter() - started)}
     return replace(
