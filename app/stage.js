@@ -263,8 +263,10 @@ function motionNow() {
   };
 }
 
-const moves = () =>
-  data.timeline.lanes.filter((lane) => ["turn", "slide"].includes(lane.name)).flatMap((lane) => lane.events);
+const eventsOf = (...names) => data.timeline.lanes.filter((lane) => names.includes(lane.name)).flatMap((lane) => lane.events);
+
+// What moves it; of what is only pressed, the presses.
+const moves = () => (eventsOf("turn", "slide").length ? eventsOf("turn", "slide") : eventsOf("contact"));
 
 // Once it has been played it rests in the middle of what goes farthest: a degree of a turn is about
 // a pixel at the edge of a contact.
@@ -275,7 +277,7 @@ function rest() {
   go(farthest ? nearest(data.x, (farthest.begin + farthest.end) / 2) : data.count - 1);
 }
 
-// The turn or slide that goes on, else the last one: in the words of the timeline.
+// The motion that goes on, else the last one: in the words of the timeline.
 function resultText() {
   if (data.step) return data.step.text;
   if (data.pending) return data.progress || "reading the motion…";
