@@ -189,10 +189,6 @@ def _touched_phrase(track: Track, touched_s: float | None, *, in_frames: bool) -
     return f"touched for {frames} frame{'s' * (frames != 1)}"
 
 
-def _far(amount: float) -> str:
-    return f"{amount:.3g}" if amount < 100 else figure_of(amount)
-
-
 def totals_lines(exported: Exported, *, in_frames: bool = False) -> list[str]:
     """Return what a whole track comes to, in two sentences."""
     totals, unit = exported.totals(), exported.units.name
@@ -208,8 +204,8 @@ def totals_lines(exported: Exported, *, in_frames: bool = False) -> list[str]:
         )
     if slide["amount"] is not None:
         slid = (
-            f"Slid by {_far(slide['amount'])} {unit} from first to last, {_far(far['amount'])} "
-            f"there and back"
+            f"Slid by {figure_of(slide['amount'])} {unit} from first to last, "
+            f"{figure_of(far['amount'])} there and back"
         )
     limits = [totals["turn_limit"], totals["slide_limit"]]
     turn_beyond, slide_beyond = (

@@ -1,4 +1,4 @@
-"""How an amount is told: with two digits, from 100 up with three."""
+"""Digits of amounts in words, tables and plots: two, from 100 up three."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 
 
 def rounded(value: float) -> float:
-    """Return an amount with as many digits as are told."""
+    """Return an amount with these digits."""
     return float(f"{value:.{_digits(value)}g}")
 
 
@@ -19,7 +19,7 @@ def rounded_up(value: float) -> float:
 
 
 def figure_of(value: float) -> str:
-    """Return an amount as it is told, without a power of ten."""
+    """Return an amount as text with these digits, without a power of ten."""
     return f"{rounded(value):.10g}"
 
 

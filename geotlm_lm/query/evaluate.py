@@ -471,7 +471,7 @@ def inside(context: Context, component: Component) -> Iterator[tuple[Happening, 
 
 
 def contact_unknown(context: Context) -> Untold:
-    """Return why contact is not told where the untouched gel is not known."""
+    """Return why contact is withheld where the untouched gel is not known."""
     belief = context.worlds.belief
     is_moving = max(belief.moves(Component.TURN), belief.moves(Component.SLIDE)) >= 0.5
     return Untold("contact" if is_moving else "reference")
